@@ -7,8 +7,8 @@ use arena::sonar::SonarModel;
 use arena::world::World;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use sim::behavior::Behavior;
 use sim::episode::{self, Setup};
-use sim::scenes::Behavior;
 use std::hint::black_box;
 use std::time::Instant;
 

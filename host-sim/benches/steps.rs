@@ -12,7 +12,7 @@ use arena::sonar::SonarModel;
 use arena::world::{Point, Pose, Shape, World};
 use criterion::{BatchSize, Criterion, Throughput, criterion_group};
 use sim::episode::{Body, drive_pilot};
-use sim::pilot::{Mind, Pilot};
+use sim::pilot::{LocalController, Pilot};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -57,9 +57,9 @@ fn wide(segments: usize) -> World {
 }
 
 /// Explores with 100 moves and learns: what an episode costs before its first step.
-fn set_up(world: &World, config: &Config<16>) -> Mind {
-    let mut mind = Mind::new(config.clone());
-    let tell = |mind: &mut Mind, event| mind.handle(Millis::from_ms(0), event);
+fn set_up(world: &World, config: &Config<16>) -> LocalController {
+    let mut mind = LocalController::new(config.clone());
+    let tell = |mind: &mut LocalController, event| mind.handle(Millis::from_ms(0), event);
     tell(
         &mut mind,
         Event::Command(Command::Explore {
@@ -116,7 +116,7 @@ fn rounds() {
         .collect();
     for _ in 0..ROUNDS {
         for ((sonar, _, world), learned, paces) in &mut runs {
-            let mut mind = Mind::with_state(config.clone(), learned.state().clone());
+            let mut mind = LocalController::with_state(config.clone(), learned.state().clone());
             let begun = Instant::now();
             black_box(drive_pilot(world, &mut mind, body(world, *sonar), STEPS))
                 .expect("it drives");

@@ -5,15 +5,15 @@ use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::World;
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
-use remote::link::MindPlace;
+use remote::link::ControllerPlace;
+use sim::behavior::Behavior;
 use sim::episode::Setup;
-use sim::scenes::Behavior;
-use view::order::Order;
-use view::{Simulator, Source, Start, Stepped};
+use view::command::PageCommand;
+use view::{Simulator, SimulatorStart, StepOutcome, ViewSource};
 
 fn seeking() -> Simulator {
     let config = Config::recommended();
-    let start = Start {
+    let start = SimulatorStart {
         world: World::random(1),
         named: "random:1".to_owned(),
         setup: Setup {
@@ -32,12 +32,13 @@ fn seeking() -> Simulator {
         whole: config,
         presets: Vec::new(),
     };
-    let mut robot = Simulator::new(start, MindPlace::Host, None).expect("a mind in this process");
-    for order in [Order::Explore, Order::Learn] {
-        robot.carry_out(&order).expect("it is done");
-        while robot.step() != Stepped::Standing {}
+    let mut robot =
+        Simulator::new(start, ControllerPlace::Host, None).expect("a mind in this process");
+    for order in [PageCommand::Explore, PageCommand::Learn] {
+        robot.execute(&order).expect("it is done");
+        while robot.step() != StepOutcome::Idle {}
     }
-    robot.carry_out(&Order::Seek).expect("it seeks");
+    robot.execute(&PageCommand::Seek).expect("it seeks");
     for _ in 0..1_000 {
         robot.step();
     }
@@ -63,7 +64,7 @@ fn benches(c: &mut Criterion) {
     });
 }
 
-fn text_len(part: &std::sync::Arc<dyn view::snapshot::Showable>) -> usize {
+fn text_len(part: &std::sync::Arc<dyn view::snapshot::PartMessage>) -> usize {
     part.text().len()
 }
 

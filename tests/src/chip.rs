@@ -254,7 +254,7 @@ impl EmulatedChip {
         let mut buffer = [0; 4_096];
         let count = self.line.receive(&mut buffer, patience);
         let count = count.unwrap_or_else(|error| {
-            let words = self.line.last_words().unwrap_or_default();
+            let words = self.line.exit_message().unwrap_or_default();
             panic!("the line from the chip: {error}; {words}")
         });
         self.left.extend_from_slice(&buffer[..count]);

@@ -20,14 +20,14 @@ use datasets::learn::{Columns, Log};
 use files::table::Table;
 use mcap::records::MessageHeader;
 use mcap::{Compression, McapResult, WriteOptions};
-use nomad200::{Line, Protocol, Simulated};
+use nomad200::{Protocol, RobotLine, SimulatedNomad};
 use remote::link::Knowledge;
 use remote::log::{LogFile, Summary, channel, replay};
 use sim::goal_file::GoalFile;
 use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::Path;
-use view::{Recorded, Source as _, Stepped};
+use view::{StepOutcome, ViewSource as _, WatchedLog};
 
 /// A kind of input and its reader.
 pub type Reader = (&'static str, fn(&[u8]));
@@ -298,8 +298,8 @@ pub fn nomad(bytes: &[u8]) {
         speed: 1,
     };
     for protocol in [Protocol::Direct, nserver] {
-        let robot = Simulated::new(World::random(1), SonarModel::Ideal, 1);
-        let mut line = Line::new(robot, protocol);
+        let robot = SimulatedNomad::new(World::random(1), SonarModel::Ideal, 1);
+        let mut line = RobotLine::new(robot, protocol);
         for piece in bytes.chunks(64) {
             line.receive(piece);
             line.advance(5);
@@ -317,9 +317,9 @@ pub fn log(bytes: &[u8]) {
     };
     let _ = Summary::of(&log);
     let _ = replay(&log, |_| {});
-    if let Ok(mut recorded) = Recorded::new(&log) {
+    if let Ok(mut recorded) = WatchedLog::new(&log) {
         let mut steps = 0..MAX_STEPS;
-        while steps.next().is_some() && recorded.step() != Stepped::Standing {}
+        while steps.next().is_some() && recorded.step() != StepOutcome::Idle {}
         let _ = recorded.snapshot();
     }
 }

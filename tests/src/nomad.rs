@@ -1,7 +1,7 @@
 //! A simulated Nomad 200 started as a program, and helpers for its clients.
 
 use crate::Program;
-use nomad200::{Host, State};
+use nomad200::{Host, NomadState};
 use remote::link::{Serial, Tcp};
 use std::io::{BufRead as _, BufReader, ErrorKind, Read, Write as _};
 use std::net::{Shutdown, TcpListener, TcpStream};
@@ -165,7 +165,7 @@ impl ServedRobot {
     #[must_use]
     pub fn connect(&self) -> Host {
         let line = Tcp::open(&self.place).unwrap_or_else(|error| panic!("{error}"));
-        Host::greeted(line).unwrap_or_else(|error| panic!("{error}"))
+        Host::with_greeting(line).unwrap_or_else(|error| panic!("{error}"))
     }
 
     /// Opens its serial port.
@@ -181,7 +181,7 @@ impl ServedRobot {
 
 /// Whether the base stands still.
 #[must_use]
-pub fn stands(state: &State) -> bool {
+pub fn stands(state: &NomadState) -> bool {
     state.motors == 0 && state.velocity == [0; 3]
 }
 

@@ -335,7 +335,7 @@ const CASES: &[Case] = &[
     ("link --to tcp:127.0.0.1:1 push gone.mind", &["gone.mind: "]),
     (
         "link --to tcp:127.0.0.1:1 push binary.toml",
-        &["binary.toml: it holds no mind"],
+        &["binary.toml: it holds no controller"],
     ),
     ("run --steps 1 --save file/own.mind", &["file/own.mind: "]),
     (
@@ -437,9 +437,9 @@ fn a_mind_that_is_not_whole_or_of_another_version_is_refused() {
         (&sound[..5], "it is cut off or damaged"),
         (&damaged, "it is cut off or damaged"),
         (&later, "it was written by another version of this program"),
-        (&continued, "something stands behind its end"),
-        (b"AMPMIND\0 of before", "it holds no mind"),
-        (b"", "it holds no mind"),
+        (&continued, "there are bytes after its end"),
+        (b"AMPMIND\0 of before", "it holds no controller"),
+        (b"", "it holds no controller"),
     ] {
         program.put("wrong.mind", bytes);
         let output = program.run(&words("link --to tcp:127.0.0.1:1 push wrong.mind"));

@@ -9,9 +9,9 @@ use arena::world::World;
 use experiments::behaviors::{BehaviorTrial, run_all};
 use experiments::scenes::{BehaviorScene, SCENES};
 use serde_json::Value;
-use sim::episode::{Body, Report, run};
+use sim::behavior::Behavior;
+use sim::episode::{Body, EpisodeReport, run};
 use sim::pilot::Pilot;
-use sim::scenes::Behavior;
 use tests::{Program, host_sim};
 
 /// The JSON object of one line from `run --json`.
@@ -103,7 +103,7 @@ fn reports(
     shield: bool,
     [worlds, seeds]: [u32; 2],
     explore_moves: u16,
-) -> Vec<Report> {
+) -> Vec<EpisodeReport> {
     let mut config = Config::recommended();
     if !shield {
         config.shield = None;
@@ -130,7 +130,7 @@ fn scene(behavior: &str, place: &str) -> &'static BehaviorScene {
     found.unwrap_or_else(|| panic!("{behavior} in {place}"))
 }
 
-fn mean(reports: &[Report], figure: impl Fn(&Report) -> f64) -> f64 {
+fn mean(reports: &[EpisodeReport], figure: impl Fn(&EpisodeReport) -> f64) -> f64 {
     reports.iter().map(figure).sum::<f64>() / reports.len() as f64
 }
 

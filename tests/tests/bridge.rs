@@ -1,9 +1,9 @@
 //! A controller drives the simulated Nomad over the robot's own protocol; either side may fail.
 
 use amp::config::Config;
-use nomad200::Command;
-use remote::link::Served;
-use remote::log::{Answer, EventRecord, Happening, channel, read};
+use nomad200::NomadCommand;
+use remote::link::NodeServer;
+use remote::log::{AnswerRecord, EventKind, EventRecord, channel, read};
 use serde_json::Value;
 use std::path::Path;
 use std::thread::sleep;
@@ -128,7 +128,7 @@ fn under_way(robot: &mut ServedRobot, driver: &mut Running) {
 /// Checked by a new client.
 fn assert_stands(robot: &ServedRobot) {
     let mut host = robot.connect();
-    let state = host.ask(&Command::GetState).expect("an answer");
+    let state = host.request(&NomadCommand::GetState).expect("an answer");
     assert!(stands(state), "{state:?}");
 }
 
@@ -145,7 +145,10 @@ fn without_its_bridge_the_base_stops_by_itself() {
     // A request before the timeout of one second would reset it.
     sleep(Duration::from_secs(1) + BRAKING);
     let mut host = robot.connect();
-    let state = host.ask(&Command::GetState).expect("an answer").clone();
+    let state = host
+        .request(&NomadCommand::GetState)
+        .expect("an answer")
+        .clone();
     assert!(stands(&state), "{:?} after {:?}", state, killed.elapsed());
     assert_eq!(state.bumpers, 0);
 }
@@ -219,7 +222,7 @@ fn last_way(log: &Path) -> (u32, f64) {
         match message.topic.as_str() {
             channel::EVENT => {
                 let record: EventRecord = message.content().expect("an event");
-                if let Happening::Odometry { moved_mm, .. } = record.event
+                if let EventKind::Odometry { moved_mm, .. } = record.event
                     && moved_mm != [0; 2]
                 {
                     moved_ms = record.at_ms;
@@ -228,7 +231,7 @@ fn last_way(log: &Path) -> (u32, f64) {
                 }
             }
             channel::PLAN => {
-                let answer: Answer = message.content().expect("an answer");
+                let answer: AnswerRecord = message.content().expect("an answer");
                 said_ms = answer.at_ms;
             }
             _ => {}
@@ -272,7 +275,7 @@ fn blocked_wheels_stop_the_robot_of_a_mind_elsewhere() {
     let program = host_sim!();
     let robot = ServedRobot::at_a_port(&program, "--world room --blocked-after 0.2");
     let at = format!("tcp:{}", robot.place);
-    let mind = Served::start(Config::recommended()).expect("a mind");
+    let mind = NodeServer::start(Config::recommended()).expect("a mind");
     let to_mind = format!("tcp:{}", mind.host());
     let mut driver = bridge(&program, &at, &format!("--mind {to_mind} --explore 100"));
     let (code, stdout, stderr) = driver.end(Duration::from_secs(30));
@@ -297,7 +300,7 @@ fn without_its_mind_the_base_is_told_to_stand() {
     ] {
         let mut robot = ServedRobot::at_a_port(&program, "--world room");
         let at = format!("tcp:{}", robot.place);
-        let mind = Served::start(Config::recommended()).expect("a mind");
+        let mind = NodeServer::start(Config::recommended()).expect("a mind");
         let line = Proxy::to(&mind.host());
         let to_mind = format!("tcp:{}", line.place);
         let mut driver = bridge(&program, &at, &format!("--mind {to_mind}"));

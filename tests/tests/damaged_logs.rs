@@ -4,7 +4,7 @@
 
 use rand_core::{Rng as _, SeedableRng as _};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use remote::log::{Ending, LogFile, Message, replay};
+use remote::log::{Ending, LogFile, LogMessage, replay};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fs;
@@ -31,7 +31,7 @@ const MAX_TIME: Duration = Duration::from_secs(2);
 /// A log to damage.
 struct Good {
     bytes: Vec<u8>,
-    messages: Vec<Message>,
+    messages: Vec<LogMessage>,
     ending: Ending,
 }
 

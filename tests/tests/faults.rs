@@ -5,9 +5,9 @@ use amp::faults::{SensorFault, SensorVerdict};
 use arena::robot::TurretMode;
 use arena::sonar::{SonarModel, TransducerFault};
 use arena::world::World;
+use sim::behavior::Behavior;
 use sim::episode::{Setup, run_with};
-use sim::pilot::Mind;
-use sim::scenes::Behavior;
+use sim::pilot::LocalController;
 use tests::{host_sim, words};
 
 /// Verdicts of a controller with fault detection in a random room, and the number of moves with
@@ -30,7 +30,7 @@ fn verdicts(room: u64, sonar: SonarModel, faults: &[&str]) -> (Vec<SensorVerdict
         faults: faults.collect(),
         record: false,
     };
-    let mut mind = Mind::new(config);
+    let mut mind = LocalController::new(config);
     let run = run_with(&World::random(room), &setup, &mut mind, |_, _, _| {});
     let report = run.expect("an episode").report;
     (

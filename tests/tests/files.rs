@@ -2,7 +2,7 @@
 #![cfg(unix)]
 
 use amp::config::Config;
-use remote::link::Served;
+use remote::link::NodeServer;
 use std::fs;
 use std::io::Read as _;
 use std::os::unix::fs::{FileTypeExt as _, PermissionsExt as _, symlink};
@@ -74,7 +74,7 @@ fn mode(path: &Path) -> u32 {
 #[test]
 fn a_file_that_is_written_anew_keeps_its_mode() {
     let program = host_sim!();
-    let mind = Served::start(Config::recommended()).expect("a mind behind a socket");
+    let mind = NodeServer::start(Config::recommended()).expect("a mind behind a socket");
     let host = mind.host();
     let pull = format!("link --to tcp:{host} pull FILE");
     // A log is never overwritten.

@@ -6,7 +6,7 @@ use nomad200::{Kind, Packet};
 use rand_core::SeedableRng as _;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use remote::link::Knowledge;
-use sim::pilot::Mind;
+use sim::pilot::LocalController;
 use std::fs;
 use tests::campaign::mutate::FrameDamage;
 use tests::hostile::{self, READERS};
@@ -45,7 +45,7 @@ fn worlds() -> Vec<Vec<u8>> {
 
 /// The file of an untrained controller.
 fn fresh_mind() -> Vec<u8> {
-    let mind = Mind::new(Config::recommended());
+    let mind = LocalController::new(Config::recommended());
     Knowledge::of(mind.config(), mind.state()).to_bytes()
 }
 

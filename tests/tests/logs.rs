@@ -1,7 +1,7 @@
 //! Logs: written by `run --log`, replayed, summarized, cut off by a kill.
 
 use amp::config::Config;
-use remote::link::Served;
+use remote::link::NodeServer;
 use serde_json::json;
 use std::fs;
 use std::thread;
@@ -208,7 +208,7 @@ fn a_view_that_is_killed_leaves_a_log_up_to_its_last_chunk() {
 
 #[test]
 fn the_log_of_a_mind_at_a_link_replays_here() {
-    let served = Served::start(Config::recommended()).expect("a mind behind a socket");
+    let served = NodeServer::start(Config::recommended()).expect("a mind behind a socket");
     let program = host_sim!();
     let flags = format!(
         "--world room --explore 6 --speed max --log far.mcap --mind tcp:{}",

@@ -10,9 +10,9 @@ use amp::units::Millis;
 use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::World;
+use sim::behavior::Behavior;
 use sim::episode::{Body, Seeds, perceive};
 use sim::pilot::{Pilot, SimState};
-use sim::scenes::Behavior;
 
 /// A controller and, from some moment on, a copy: it gets the same events, and its motions are
 /// ignored.

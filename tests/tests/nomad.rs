@@ -2,9 +2,10 @@
 //! reconnection.
 
 use arena::sonar::FIRING_ORDER;
-use nomad200::nserver::Message;
+use nomad200::nserver::ServerMessage;
 use nomad200::{
-    AxisMode, Command, Group, Host, Kind, Mask, PATIENCE, Packet, RobotError, WITH_SONAR,
+    ANSWER_TIMEOUT, AxisMode, Host, Kind, NomadCommand, Packet, ReadingGroup, RobotError,
+    StateMask, WITH_SONAR,
 };
 use remote::link::Tcp;
 use std::io::{Read as _, Write as _};
@@ -18,8 +19,8 @@ fn ms(ms: u64) -> Duration {
     Duration::from_millis(ms)
 }
 
-fn ask(host: &mut Host, command: &Command) -> nomad200::State {
-    let state = host.ask(command);
+fn ask(host: &mut Host, command: &NomadCommand) -> nomad200::NomadState {
+    let state = host.request(command);
     state
         .unwrap_or_else(|error| panic!("{command:?}: {error}"))
         .clone()
@@ -28,34 +29,34 @@ fn ask(host: &mut Host, command: &Command) -> nomad200::State {
 /// Startup of a program: masks, sensors, timeout, speeds; and its requests.
 fn session(host: &mut Host) {
     let order = FIRING_ORDER.map(|sensor| sensor as u8);
-    let start = ask(host, &Command::Communicate(Mask::ALL)).pose;
+    let start = ask(host, &NomadCommand::Communicate(StateMask::ALL)).pose;
     for command in [
-        Command::ConfigureTimeout(5),
-        Command::ConfigureSonar { rate: 15, order },
-        Command::ConfigureInfrared { history: 2, order },
-        Command::ConfigureCompass(1),
-        Command::Accelerations([300; 3]),
-        Command::Speeds([200, 450, 450]),
-        Command::Talk(b"hello".to_vec()),
-        Command::DefinePosition([100, 200]),
-        Command::GetState,
+        NomadCommand::ConfigureTimeout(5),
+        NomadCommand::ConfigureSonar { rate: 15, order },
+        NomadCommand::ConfigureInfrared { history: 2, order },
+        NomadCommand::ConfigureCompass(1),
+        NomadCommand::Accelerations([300; 3]),
+        NomadCommand::Speeds([200, 450, 450]),
+        NomadCommand::Talk(b"hello".to_vec()),
+        NomadCommand::DefinePosition([100, 200]),
+        NomadCommand::GetState,
     ] {
         ask(host, &command);
     }
-    for group in Group::ALL {
-        ask(host, &Command::Get(group));
+    for group in ReadingGroup::ALL {
+        ask(host, &NomadCommand::Get(group));
     }
     assert_eq!(host.state().pose, [100, 200, start[2], start[3]]);
     assert_eq!(host.state().acceleration, [300; 3]);
     // A relative move, with the library's wait.
-    let moving = ask(host, &Command::Relative([100, 0, 0]));
+    let moving = ask(host, &NomadCommand::Relative([100, 0, 0]));
     assert_eq!(moving.motors, 1);
-    let wait = Command::WaitForStop {
+    let wait = NomadCommand::WaitForStop {
         axes: [true; 3],
         timeout_s: 20,
     };
     let there = host
-        .ask_within(&wait, Duration::from_secs(21))
+        .request_within(&wait, Duration::from_secs(21))
         .expect("it stops")
         .clone();
     assert!(stands(&there));
@@ -70,14 +71,14 @@ fn a_program_finds_its_robot_at_a_socket() {
     let program = host_sim!();
     let robot = ServedRobot::at_a_port(&program, "--speed 20");
     let mut host = robot.connect();
-    assert_eq!(*host.mask(), Mask::ALL);
+    assert_eq!(*host.mask(), StateMask::ALL);
     session(&mut host);
     // Space for at least a meter ahead of its front at the start.
     drop(host);
     let robot = ServedRobot::at_a_port(&program, "--sonar ideal --speed 20");
     let mut host = robot.connect();
     sleep(ms(40));
-    assert!(ask(&mut host, &Command::GetState).sonar[0] >= 40);
+    assert!(ask(&mut host, &NomadCommand::GetState).sonar[0] >= 40);
 }
 
 #[test]
@@ -94,17 +95,17 @@ fn masks_hold_until_the_next_one_and_for_the_next_program() {
     let program = host_sim!();
     let robot = ServedRobot::at_a_port(&program, "");
     let mut host = robot.connect();
-    let few = Mask {
+    let few = StateMask {
         sonar: 0x8003,
         bumper: true,
         pose: [true, true, false, false],
         attached: WITH_SONAR,
-        ..Mask::NONE
+        ..StateMask::NONE
     };
-    for mask in [few, Mask::NONE, Mask::ALL, few] {
-        ask(&mut host, &Command::Communicate(mask));
-        ask(&mut host, &Command::GetState);
-        ask(&mut host, &Command::Stop);
+    for mask in [few, StateMask::NONE, StateMask::ALL, few] {
+        ask(&mut host, &NomadCommand::Communicate(mask));
+        ask(&mut host, &NomadCommand::GetState);
+        ask(&mut host, &NomadCommand::Stop);
     }
     drop(host);
     assert_eq!(*robot.connect().mask(), few);
@@ -116,13 +117,13 @@ fn a_program_that_falls_silent_leaves_a_robot_that_stops() {
     // At this speed, the robot's timeout of one second is 50 ms.
     let robot = ServedRobot::at_a_port(&program, "--speed 20 --world room");
     let mut host = robot.connect();
-    ask(&mut host, &Command::ConfigureTimeout(1));
-    ask(&mut host, &Command::Velocity([20, 0, 100]));
+    ask(&mut host, &NomadCommand::ConfigureTimeout(1));
+    ask(&mut host, &NomadCommand::Velocity([20, 0, 100]));
     // Requests for its state keep it moving.
     let until = Instant::now() + ms(250);
-    let mut state = ask(&mut host, &Command::GetState);
+    let mut state = ask(&mut host, &NomadCommand::GetState);
     while Instant::now() < until {
-        state = ask(&mut host, &Command::GetState);
+        state = ask(&mut host, &NomadCommand::GetState);
         sleep(ms(5));
     }
     assert_eq!(
@@ -131,11 +132,11 @@ fn a_program_that_falls_silent_leaves_a_robot_that_stops() {
         "{state:?}"
     );
     sleep(ms(250));
-    let state = ask(&mut host, &Command::GetState);
+    let state = ask(&mut host, &NomadCommand::GetState);
     assert!(stands(&state), "{state:?}");
     let pose = state.pose;
     sleep(ms(50));
-    assert_eq!(ask(&mut host, &Command::GetState).pose, pose);
+    assert_eq!(ask(&mut host, &NomadCommand::GetState).pose, pose);
 }
 
 /// At the robot's own speed: from 10 in/s it rolls 10 in until its timeout of one second and 1.7 in
@@ -145,15 +146,15 @@ fn a_program_that_is_killed_leaves_a_base_that_stops_when_its_time_is_out() {
     let program = host_sim!();
     let robot = ServedRobot::at_a_port(&program, "--sonar ideal");
     let mut host = robot.connect();
-    ask(&mut host, &Command::ConfigureTimeout(1));
-    ask(&mut host, &Command::Velocity([100, 0, 0]));
+    ask(&mut host, &NomadCommand::ConfigureTimeout(1));
+    ask(&mut host, &NomadCommand::Velocity([100, 0, 0]));
     sleep(ms(500));
-    let rolling = ask(&mut host, &Command::GetState);
+    let rolling = ask(&mut host, &NomadCommand::GetState);
     assert_eq!(rolling.velocity[0], 100);
     drop(host);
     // A request would reset the timeout.
     sleep(ms(1_500));
-    let state = ask(&mut robot.connect(), &Command::GetState);
+    let state = ask(&mut robot.connect(), &NomadCommand::GetState);
     assert!(stands(&state), "{state:?}");
     let way = state.pose[0] - rolling.pose[0];
     assert!((115..=119).contains(&way), "{way}");
@@ -166,14 +167,14 @@ fn another_order_is_fired_at_once() {
     let mut host = robot.connect();
     let mut order = [255; 16];
     order[..3].copy_from_slice(&[0, 1, 15]);
-    ask(&mut host, &Command::ConfigureSonar { rate: 10, order });
-    let mask = Mask {
+    ask(&mut host, &NomadCommand::ConfigureSonar { rate: 10, order });
+    let mask = StateMask {
         attached: WITH_SONAR,
-        ..Mask::ALL
+        ..StateMask::ALL
     };
-    let before = ask(&mut host, &Command::Communicate(mask));
+    let before = ask(&mut host, &NomadCommand::Communicate(mask));
     sleep(ms(50));
-    let after = ask(&mut host, &Command::GetState);
+    let after = ask(&mut host, &NomadCommand::GetState);
     let fired: Vec<_> = (0..16)
         .filter(|&i| after.sonar_at[i].sensed_ms != before.sonar_at[i].sensed_ms)
         .collect();
@@ -200,7 +201,9 @@ fn who_is_gone_makes_room_for_the_next_one() {
     let mut greeting = [0; 11];
     assert!(second.read_exact(&mut greeting).is_err());
     drop(first);
-    second.set_read_timeout(Some(PATIENCE)).expect("a time-out");
+    second
+        .set_read_timeout(Some(ANSWER_TIMEOUT))
+        .expect("a time-out");
     second.read_exact(&mut greeting).expect("a greeting");
     second
         .write_all(&[1, 2, 0, 7, 0x0a, 0x5c])
@@ -209,7 +212,7 @@ fn who_is_gone_makes_room_for_the_next_one() {
     second.read_exact(&mut head).expect("an answer");
     assert_eq!((head[0], head[3]), (1, Kind::Gs as u8));
     drop(second);
-    ask(&mut robot.connect(), &Command::GetState);
+    ask(&mut robot.connect(), &NomadCommand::GetState);
 }
 
 #[test]
@@ -226,22 +229,22 @@ fn a_robot_answers_again_within_a_second_after_any_garbage() {
         let mut host = robot.connect();
         host.line().send(garbage).expect("a line");
         // With the command directly behind, and again.
-        ask(&mut host, &Command::GetState);
-        ask(&mut host, &Command::Stop);
+        ask(&mut host, &NomadCommand::GetState);
+        ask(&mut host, &NomadCommand::Stop);
         drop(host);
-        ask(&mut robot.connect(), &Command::GetState);
+        ask(&mut robot.connect(), &NomadCommand::GetState);
     }
     // A packet with a wrong check byte gets no answer; an unknown one is refused.
     let mut host = robot.connect();
     host.line().send(&[1, 2, 0, 9, 0x0d, 0x5c]).expect("a line");
-    let torque = Command::Move([(AxisMode::Torque, 5); 3]);
-    assert_eq!(host.ask(&torque), Err(RobotError::Refused(Kind::Mv)));
+    let torque = NomadCommand::Move([(AxisMode::Torque, 5); 3]);
+    assert_eq!(host.request(&torque), Err(RobotError::Refused(Kind::Mv)));
     let unknown = Packet {
         kind: 77,
         payload: Vec::new(),
     };
     host.line().send(&unknown.to_bytes()).expect("a line");
-    let answer = host.next(Instant::now() + PATIENCE).expect("a line");
+    let answer = host.next(Instant::now() + ANSWER_TIMEOUT).expect("a line");
     assert_eq!(answer.map(|packet| packet.kind), Some(Kind::Nak as u8));
 }
 
@@ -251,20 +254,26 @@ fn a_packet_may_come_byte_by_byte() {
     let robot = ServedRobot::at_a_port(&program, "");
     let mut line = Tcp::open(&robot.place).expect("a robot");
     use remote::link::Transport as _;
-    let mut host = Host::greeted(Tcp::open(&robot.place).expect("a queue"));
+    let mut host = Host::with_greeting(Tcp::open(&robot.place).expect("a queue"));
     assert!(host.is_err(), "one at a time");
     let mut buffer = [0; 64];
-    assert_eq!(line.receive(&mut buffer, PATIENCE).expect("a greeting"), 11);
-    for byte in Command::Velocity([0, 50, 0]).to_packet().to_bytes() {
+    assert_eq!(
+        line.receive(&mut buffer, ANSWER_TIMEOUT)
+            .expect("a greeting"),
+        11
+    );
+    for byte in NomadCommand::Velocity([0, 50, 0]).to_packet().to_bytes() {
         line.send(&[byte]).expect("a line");
         sleep(ms(20));
     }
-    let count = line.receive(&mut buffer, PATIENCE).expect("an answer");
+    let count = line
+        .receive(&mut buffer, ANSWER_TIMEOUT)
+        .expect("an answer");
     assert_eq!(buffer[..count].get(3), Some(&(Kind::Vm as u8)));
     drop(line);
-    host = Host::greeted(Tcp::open(&robot.place).expect("a robot"));
+    host = Host::with_greeting(Tcp::open(&robot.place).expect("a robot"));
     let mut host = host.expect("a greeting");
-    assert!(ask(&mut host, &Command::Get(Group::Velocity)).velocity[1] > 0);
+    assert!(ask(&mut host, &NomadCommand::Get(ReadingGroup::Velocity)).velocity[1] > 0);
 }
 
 /// At twenty times real time its clock runs twenty times as fast.
@@ -275,11 +284,11 @@ fn its_time_runs_as_fast_as_it_is_told() {
         let robot = ServedRobot::at_a_port(&program, &format!("--speed {speed}"));
         let mut host = robot.connect();
         let asked = Instant::now();
-        let before = ask(&mut host, &Command::GetState).time_ms;
+        let before = ask(&mut host, &NomadCommand::GetState).time_ms;
         let answered = Instant::now();
         sleep(ms(400));
         let least = answered.elapsed().as_millis() as u32 * speed;
-        let passed = ask(&mut host, &Command::GetState).time_ms - before;
+        let passed = ask(&mut host, &NomadCommand::GetState).time_ms - before;
         let most = asked.elapsed().as_millis() as u32 * speed;
         // The robot reads the clock at intervals.
         let slack = 60 * speed;
@@ -296,14 +305,15 @@ fn a_program_of_the_simulators_server_finds_the_same_robot() {
     let program = host_sim!();
     let robot = ServedRobot::at_a_port(&program, "--protocol nserver --speed 20");
     let mut line = TcpStream::connect(&robot.place).expect("a server");
-    line.set_read_timeout(Some(PATIENCE)).expect("a time-out");
+    line.set_read_timeout(Some(ANSWER_TIMEOUT))
+        .expect("a time-out");
     let mut ask = |kind: u16, numbers: &[i32]| {
         let numbers = numbers.to_vec();
-        let request = Message { kind, numbers };
+        let request = ServerMessage { kind, numbers };
         line.write_all(&request.to_bytes()).expect("a line");
         let (mut bytes, mut buffer) = (Vec::new(), [0; 4_096]);
         loop {
-            if let Some(answer) = Message::take_from(&mut bytes) {
+            if let Some(answer) = ServerMessage::take_from(&mut bytes) {
                 return (answer.kind, answer.numbers);
             }
             let count = line.read(&mut buffer).expect("an answer in time");

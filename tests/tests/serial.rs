@@ -1,7 +1,7 @@
 //! A controller at a serial device: a pseudo terminal with the chip's code at its other end.
 
 use amp::config::Config;
-use remote::link::Served;
+use remote::link::NodeServer;
 use tests::host_sim;
 use tests::pty::{FaultyPty, LineFault};
 
@@ -21,7 +21,7 @@ fn a_mind_at_a_serial_device_prints_the_same_line() {
     let program = host_sim!();
     let here = with_mind(&program, "host");
     for line in [LineFault::Good, LineFault::StartsInTheMiddle] {
-        let mind = Served::start(Config::touzet()).unwrap();
+        let mind = NodeServer::start(Config::touzet()).unwrap();
         let pty = FaultyPty::to(&mind.host(), line);
         let there = with_mind(&program, &serial(&pty));
         assert_eq!(there.code, Some(0), "{line:?}: {}", there.stderr);
@@ -37,7 +37,7 @@ fn a_mind_at_a_serial_device_prints_the_same_line() {
 #[test]
 fn a_line_at_another_speed_is_said_in_a_sentence() {
     let program = host_sim!();
-    let mind = Served::start(Config::recommended()).unwrap();
+    let mind = NodeServer::start(Config::recommended()).unwrap();
     let pty = FaultyPty::to(&mind.host(), LineFault::WrongSpeed);
     let output = with_mind(&program, &serial(&pty));
     assert_eq!((output.code, output.stdout.as_str()), (Some(2), ""));
@@ -53,7 +53,7 @@ fn a_line_at_another_speed_is_said_in_a_sentence() {
 #[test]
 fn a_device_that_disappears_is_said_in_a_sentence() {
     let program = host_sim!();
-    let mind = Served::start(Config::recommended()).unwrap();
+    let mind = NodeServer::start(Config::recommended()).unwrap();
     let pty = FaultyPty::to(&mind.host(), LineFault::PulledAfter(2_000));
     let output = with_mind(&program, &serial(&pty));
     assert_eq!(

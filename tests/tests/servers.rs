@@ -4,8 +4,8 @@
 use amp::config::Config;
 use amp::wire::message::{Counters, FromMind};
 use amp::wire::{Frame, Header, Report};
-use nomad200::{Command, Greeting, Kind, LaserSetup, Mask, Packet};
-use remote::link::Served;
+use nomad200::{Greeting, Kind, LaserSetup, NomadCommand, Packet, StateMask};
+use remote::link::NodeServer;
 use remote::log;
 use serde_json::{Value, json};
 use std::io::{ErrorKind, Read as _, Write as _};
@@ -165,7 +165,7 @@ fn a_robot_whose_steering_page_is_gone_stops() {
     drop(viewed);
     sleep(Duration::from_millis(500));
     let mut host = robot.connect();
-    let state = host.ask(&Command::GetState).expect("an answer");
+    let state = host.request(&NomadCommand::GetState).expect("an answer");
     assert!(tests::nomad::stands(state), "{state:?}");
 }
 
@@ -176,7 +176,7 @@ fn a_board_whose_steering_page_is_gone_stops() {
     let program = host_sim!();
     let mut config = Config::recommended();
     config.robot.ring_period_ms = 10_000;
-    let served = Served::with_ring(config).expect("a mind behind a socket");
+    let served = NodeServer::with_ring(config).expect("a mind behind a socket");
     let flags = format!("--board tcp:{} --explore 20", served.host());
     let viewed = Viewed::start(&program, &flags);
     // Page closed.
@@ -333,7 +333,7 @@ fn a_peer_that_sends_sound_messages_without_end_is_given_up() {
     // A robot that greets, and then sends unrequested answers.
     let answers = Packet::new(Kind::Tk, vec![0; 80]).to_bytes().repeat(1_000);
     let greeting = Greeting {
-        mask: Mask::ALL,
+        mask: StateMask::ALL,
         laser: LaserSetup::default(),
     };
     let place = flood(&greeting.to_bytes(), &answers);

@@ -1,7 +1,7 @@
 //! The view in a real browser, and with clients that must be refused.
 
 use amp::config::Config;
-use remote::link::Served;
+use remote::link::NodeServer;
 use serde_json::{Value, json};
 use std::fs;
 use std::time::{Duration, Instant};
@@ -311,7 +311,7 @@ fn a_nomad_explores_learns_and_seeks_and_stops() {
     // The base stands still after braking, and so do its wheels: the next client finds it so.
     std::thread::sleep(Duration::from_millis(1_700));
     let mut host = robot.connect();
-    let state = host.ask(&nomad200::Command::GetState);
+    let state = host.request(&nomad200::NomadCommand::GetState);
     assert!(tests::nomad::stands(state.expect("an answer")));
 }
 
@@ -339,7 +339,7 @@ fn a_board_is_taught_and_steered_over_its_link() {
     let maps = steerer.latest("maps");
     drop(viewed);
 
-    let served = Served::with_ring(Config::recommended()).expect("a mind behind a socket");
+    let served = NodeServer::with_ring(Config::recommended()).expect("a mind behind a socket");
     let flags = format!("--board tcp:{} --explore 20", served.host());
     let viewed = Viewed::start(&program, &flags);
     let mut steerer = viewed.steerer();
@@ -377,7 +377,7 @@ fn a_board_is_taught_and_steered_over_its_link() {
     steerer.order(json!({"do": "seek"})).expect("it seeks");
     steerer.wait("now", |now| {
         let note = now["note"].as_str().unwrap_or_default();
-        now["mode"] == "stopped" && note.contains("not every sonar was heard")
+        now["mode"] == "stopped" && note.contains("a sonar did not report")
     });
     board_page(&viewed);
     drop(served);
@@ -389,7 +389,7 @@ fn a_board_is_taught_and_steered_over_its_link() {
 #[test]
 fn a_board_without_sonars_says_that_it_will_not_move() {
     let program = host_sim!();
-    let served = Served::start(Config::recommended()).expect("a mind behind a socket");
+    let served = NodeServer::start(Config::recommended()).expect("a mind behind a socket");
     let viewed = Viewed::start(&program, &format!("--board tcp:{}", served.host()));
     viewed.steerer().wait("now", |now| {
         let note = now["note"].as_str().unwrap_or_default();
@@ -463,7 +463,7 @@ fn strangers_are_refused_and_watchers_cannot_steer() {
     watcher.wait("now", |now| now["mode"] == "idle");
     for order in ["explore", "stop", "learn", "reset", "save_mind"] {
         let refused = watcher.order(json!({"do": order})).expect_err(order);
-        assert!(refused.contains("take the seat"), "{order}: {refused}");
+        assert!(refused.contains("take control"), "{order}: {refused}");
     }
     for token in ["", "0", &"0".repeat(32)] {
         let refused = watcher.order(json!({"do": "steer", "token": token, "over": true}));
@@ -474,7 +474,7 @@ fn strangers_are_refused_and_watchers_cannot_steer() {
     watcher.wait("seat", |seat| seat["taken"] == true && seat["you"] == false);
     let token = viewed.token();
     let refused = watcher.order(json!({"do": "steer", "token": token}));
-    assert_eq!(refused, Err("somebody else steers".to_owned()));
+    assert_eq!(refused, Err("another viewer steers".to_owned()));
     first.order(json!({"do": "explore"})).expect("it explores");
     assert!(watcher.order(json!({"do": "explore"})).is_err());
     watcher.order(json!({"do": "stop"})).expect("it stops");
@@ -548,7 +548,7 @@ fn fifty_viewers_and_a_slow_one_change_nothing() {
 
 #[test]
 fn a_mind_at_the_end_of_a_link_is_watched_until_it_is_lost() {
-    let served = Served::start(Config::recommended()).expect("a mind behind a socket");
+    let served = NodeServer::start(Config::recommended()).expect("a mind behind a socket");
     let program = host_sim!();
     let flags = format!("--explore 6 --speed max --mind tcp:{}", served.host());
     let viewed = Viewed::start(&program, &flags);

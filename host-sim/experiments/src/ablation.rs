@@ -2,7 +2,7 @@
 //!
 //! Also measures the preset `touzet` and the hand-written reference (Braitenberg).
 
-use sim::braitenberg::{Braitenberg, Tuning};
+use sim::braitenberg::{Braitenberg, BraitenbergTuning};
 
 use amp::config::Config;
 use arena::robot::TurretMode;
@@ -10,10 +10,10 @@ use arena::sonar::SonarModel;
 use arena::world::World;
 use files::error::BadInput;
 use rayon::prelude::*;
+use sim::behavior::Behavior;
 use sim::episode::{Body, Seeds, Setup, drive_pilot, run};
-use sim::failure::Failure;
+use sim::error::EpisodeError;
 use sim::ring_pilot::RingPilot;
-use sim::scenes::Behavior;
 use sim::settings;
 
 /// One row: a preset with some options changed.
@@ -222,7 +222,7 @@ fn changed(mut config: Config<16>, change: &str, name: &str) -> Result<Variant, 
 ///
 /// # Errors
 /// When an episode fails.
-pub fn measure(variant: &Variant, trial: &AblationTrial) -> Result<AblationFigures, Failure> {
+pub fn measure(variant: &Variant, trial: &AblationTrial) -> Result<AblationFigures, EpisodeError> {
     let rooms: Result<Vec<_>, _> = (0..u64::from(trial.rooms))
         .into_par_iter()
         .map(|room| {
@@ -249,7 +249,7 @@ fn one(
     variant: &Variant,
     trial: &AblationTrial,
     world: &World,
-) -> Result<AblationFigures, Failure> {
+) -> Result<AblationFigures, EpisodeError> {
     match &variant.driver {
         VariantDriver::Mind(config, turret) => mind(config, *turret, trial, world),
         VariantDriver::Braitenberg => braitenberg(trial, world),
@@ -261,7 +261,7 @@ fn mind(
     turret: TurretMode,
     trial: &AblationTrial,
     world: &World,
-) -> Result<AblationFigures, Failure> {
+) -> Result<AblationFigures, EpisodeError> {
     let setup = Setup {
         config: config.clone(),
         preset: String::new(),
@@ -287,7 +287,7 @@ fn mind(
     })
 }
 
-fn braitenberg(trial: &AblationTrial, world: &World) -> Result<AblationFigures, Failure> {
+fn braitenberg(trial: &AblationTrial, world: &World) -> Result<AblationFigures, EpisodeError> {
     let body = Body::new(
         world,
         trial.sonar,
@@ -296,7 +296,7 @@ fn braitenberg(trial: &AblationTrial, world: &World) -> Result<AblationFigures, 
     );
     let tally = drive_pilot(
         world,
-        &mut RingPilot::new(Braitenberg::new(Tuning::default()), None),
+        &mut RingPilot::new(Braitenberg::new(BraitenbergTuning::default()), None),
         body,
         trial.steps,
     )?;

@@ -7,10 +7,10 @@ use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::{Pose, World};
 use rayon::prelude::*;
-use sim::episode::{Episode, Report, Setup, elsewhere, perceive, run};
-use sim::failure::Failure;
+use sim::behavior::Behavior;
+use sim::episode::{Episode, EpisodeReport, Setup, elsewhere, perceive, run};
+use sim::error::EpisodeError;
 use sim::goal_file::GoalFile;
-use sim::scenes::Behavior;
 use sim::statistics::{Mean, bootstrap};
 
 /// Size and conditions of the measurement.
@@ -56,8 +56,8 @@ pub type BySeed<T> = Vec<Vec<T>>;
 pub fn run_all<T: Send>(
     scene: &BehaviorScene,
     trial: &BehaviorTrial,
-    one: impl Fn(&World, &Setup) -> Result<T, Failure> + Sync,
-) -> Result<BySeed<T>, Failure> {
+    one: impl Fn(&World, &Setup) -> Result<T, EpisodeError> + Sync,
+) -> Result<BySeed<T>, EpisodeError> {
     let worlds = (0..u64::from(trial.worlds)).into_par_iter();
     let of_world = |index: u64| {
         let number = trial.first.saturating_add(index);
@@ -77,8 +77,8 @@ pub fn measure(
     scene: &BehaviorScene,
     trial: &BehaviorTrial,
     done: &(impl Fn() + Sync),
-) -> Result<SceneOutcome, Failure> {
-    let worlds: BySeed<Report> = run_all(scene, trial, |world, setup| {
+) -> Result<SceneOutcome, EpisodeError> {
+    let worlds: BySeed<EpisodeReport> = run_all(scene, trial, |world, setup| {
         let report = run(world, setup, |_, _, _| {})?.report;
         done();
         Ok(report)
@@ -101,7 +101,7 @@ pub fn measure(
 ///
 /// # Errors
 /// When it fails.
-pub fn first(scene: &BehaviorScene, trial: &BehaviorTrial) -> Result<Episode, Failure> {
+pub fn first(scene: &BehaviorScene, trial: &BehaviorTrial) -> Result<Episode, EpisodeError> {
     let world = scene.world(trial.first);
     let mut setup = setup(scene, trial, &world, seed_of(trial.first, 0));
     setup.record = true;

@@ -8,10 +8,10 @@ use arena::robot::TurretMode;
 use arena::sonar::{FaultKind, SonarModel, TransducerFault};
 use arena::world::World;
 use rayon::prelude::*;
+use sim::behavior::Behavior;
 use sim::episode::{Setup, run_with};
-use sim::failure::Failure;
-use sim::pilot::{HeardEcho, InspectableController, Mind, Pilot, SimState};
-use sim::scenes::Behavior;
+use sim::error::EpisodeError;
+use sim::pilot::{HeardEcho, InspectableController, LocalController, Pilot, SimState};
 
 /// What all episodes share.
 #[derive(Debug, Clone)]
@@ -76,7 +76,7 @@ pub fn fault_episodes(
     kind: Option<FaultKind>,
     trial: &FaultTrial,
     done: &(impl Fn() + Sync),
-) -> Result<Vec<FaultEpisode>, Failure> {
+) -> Result<Vec<FaultEpisode>, EpisodeError> {
     let faults: Vec<_> = match kind {
         Some(kind) => (0..16)
             .map(|sensor| {
@@ -103,7 +103,7 @@ fn course(
     fault: Option<TransducerFault>,
     room: u64,
     trial: &FaultTrial,
-) -> Result<FaultEpisode, Failure> {
+) -> Result<FaultEpisode, EpisodeError> {
     let world = World::random(room);
     let setup = Setup {
         config: trial.config.clone(),
@@ -119,7 +119,7 @@ fn course(
         record: false,
     };
     let mut witness = Witness {
-        mind: Mind::new(setup.config.clone()),
+        mind: LocalController::new(setup.config.clone()),
         faulty: fault.map(|fault| fault.sensor as u8),
         course: FaultEpisode::default(),
         moves: 0,
@@ -136,7 +136,7 @@ fn course(
 
 /// A controller and the events that reach it.
 struct Witness {
-    mind: Mind,
+    mind: LocalController,
     faulty: Option<u8>,
     course: FaultEpisode,
     moves: u32,
@@ -179,7 +179,7 @@ impl Pilot for Witness {
 }
 
 impl InspectableController for Witness {
-    fn knowledge(&mut self) -> Result<&SimState, Failure> {
+    fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
         self.mind.knowledge()
     }
 }

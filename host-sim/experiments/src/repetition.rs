@@ -4,7 +4,7 @@
 use super::behaviors::{BehaviorTrial, BySeed, run_all};
 use super::scenes::BehaviorScene;
 use sim::episode::repeat;
-use sim::failure::Failure;
+use sim::error::EpisodeError;
 use sim::statistics::{Mean, bootstrap, mean};
 
 /// Repetitions of one behavior.
@@ -29,7 +29,7 @@ pub fn measure(
     trial: &BehaviorTrial,
     times: u32,
     done: &(impl Fn() + Sync),
-) -> Result<Curve, Failure> {
+) -> Result<Curve, EpisodeError> {
     let mut frozen = trial.clone();
     frozen.config.online = None;
     let learning = values(scene, trial, times, done)?;
@@ -57,7 +57,7 @@ fn values(
     trial: &BehaviorTrial,
     times: u32,
     done: &(impl Fn() + Sync),
-) -> Result<BySeed<Vec<f64>>, Failure> {
+) -> Result<BySeed<Vec<f64>>, EpisodeError> {
     run_all(scene, trial, |world, setup| {
         let reports = repeat(world, setup, times)?;
         done();

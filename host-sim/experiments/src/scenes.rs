@@ -3,7 +3,7 @@
 use arena::loaders::rooms;
 use arena::sonar::SonarModel;
 use arena::world::{Point, World};
-use sim::episode::Report;
+use sim::episode::EpisodeReport;
 
 /// A behavior, its worlds and its required value.
 pub struct BehaviorScene {
@@ -23,7 +23,7 @@ pub struct BehaviorScene {
     /// Start position after exploring, by the episode's seed; `None` = the behavior's default.
     pub set_down: Option<fn(u64) -> Point>,
     make: fn(u64) -> World,
-    value: fn(&Report) -> f64,
+    value: fn(&EpisodeReport) -> f64,
 }
 
 /// All scenes, in the order of the table.
@@ -76,19 +76,19 @@ pub static SCENES: &[BehaviorScene] = &[
     .set_down_at(rooms::inside),
 ];
 
-fn clean(report: &Report) -> f64 {
+fn clean(report: &EpisodeReport) -> f64 {
     f64::from(u8::from(report.contacts == 0))
 }
 
-fn area(report: &Report) -> f64 {
+fn area(report: &EpisodeReport) -> f64 {
     report.coverage_m2
 }
 
-fn success(report: &Report) -> f64 {
+fn success(report: &EpisodeReport) -> f64 {
     report.success
 }
 
-fn distance(report: &Report) -> f64 {
+fn distance(report: &EpisodeReport) -> f64 {
     report.distance_m
 }
 
@@ -109,7 +109,7 @@ impl BehaviorScene {
 
     const fn requires(
         mut self,
-        value: fn(&Report) -> f64,
+        value: fn(&EpisodeReport) -> f64,
         measure: &'static str,
         required: &'static str,
     ) -> Self {
@@ -136,7 +136,7 @@ impl BehaviorScene {
 
     /// The scene's measure for an episode.
     #[must_use]
-    pub fn value(&self, report: &Report) -> f64 {
+    pub fn value(&self, report: &EpisodeReport) -> f64 {
         (self.value)(report)
     }
 
@@ -163,7 +163,7 @@ pub fn scenes_named(text: Option<&str>) -> Vec<&'static BehaviorScene> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sim::scenes::Behavior;
+    use sim::behavior::Behavior;
 
     #[test]
     fn every_scene_names_a_behavior_and_every_behavior_has_a_scene() {

@@ -1,20 +1,19 @@
-//! Numbers as the Nomad writes them: little-endian, negative ones as sign and magnitude.
+//! Encodes and decodes the Nomad's numbers: little-endian, negative ones as sign and magnitude.
 //!
-//! The topmost bit is the sign, the others are the magnitude, in 16 and in 32 bits alike; two's complement would be read
-//! as another number. A negative zero reads as zero.
+//! The topmost bit is the sign, in 16 and in 32 bits. A negative zero decodes as zero.
 
 use std::fmt;
 
-/// A payload that is shorter or longer than its message.
+/// A payload of the wrong length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct WrongLength {
-    /// Bytes the message needs, as far as it was read.
+pub struct LengthError {
+    /// Bytes needed so far.
     pub need: usize,
-    /// Bytes there are.
+    /// Bytes present.
     pub got: usize,
 }
 
-impl fmt::Display for WrongLength {
+impl fmt::Display for LengthError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
@@ -24,12 +23,12 @@ impl fmt::Display for WrongLength {
     }
 }
 
-impl std::error::Error for WrongLength {}
+impl std::error::Error for LengthError {}
 
 const SIGN_16: u16 = 1 << 15;
 const SIGN_32: u32 = 1 << 31;
 
-/// Takes a payload apart, byte by byte.
+/// Reads a payload from the front.
 #[derive(Debug, Clone)]
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],
@@ -41,9 +40,9 @@ impl<'a> Reader<'a> {
         Self { bytes, at: 0 }
     }
 
-    fn array<const N: usize>(&mut self) -> Result<[u8; N], WrongLength> {
+    fn array<const N: usize>(&mut self) -> Result<[u8; N], LengthError> {
         let end = self.at + N;
-        let wrong = WrongLength {
+        let wrong = LengthError {
             need: end,
             got: self.bytes.len(),
         };
@@ -52,25 +51,25 @@ impl<'a> Reader<'a> {
         bytes.try_into().map_err(|_| wrong)
     }
 
-    pub(super) fn u8(&mut self) -> Result<u8, WrongLength> {
+    pub(super) fn u8(&mut self) -> Result<u8, LengthError> {
         let [byte] = self.array()?;
         Ok(byte)
     }
 
-    pub(super) fn bytes<const N: usize>(&mut self) -> Result<[u8; N], WrongLength> {
+    pub(super) fn bytes<const N: usize>(&mut self) -> Result<[u8; N], LengthError> {
         self.array()
     }
 
-    pub(super) fn u16(&mut self) -> Result<u16, WrongLength> {
+    pub(super) fn u16(&mut self) -> Result<u16, LengthError> {
         Ok(u16::from_le_bytes(self.array()?))
     }
 
-    pub(super) fn u32(&mut self) -> Result<u32, WrongLength> {
+    pub(super) fn u32(&mut self) -> Result<u32, LengthError> {
         Ok(u32::from_le_bytes(self.array()?))
     }
 
-    /// 16 bits with a sign.
-    pub(super) fn i16(&mut self) -> Result<i16, WrongLength> {
+    /// A signed 16-bit number.
+    pub(super) fn i16(&mut self) -> Result<i16, LengthError> {
         let word = self.u16()?;
         // 15 bits always fit.
         let magnitude = (word & !SIGN_16) as i16;
@@ -81,8 +80,8 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// 32 bits with a sign.
-    pub(super) fn i32(&mut self) -> Result<i32, WrongLength> {
+    /// A signed 32-bit number.
+    pub(super) fn i32(&mut self) -> Result<i32, LengthError> {
         let word = self.u32()?;
         // 31 bits always fit.
         let magnitude = (word & !SIGN_32) as i32;
@@ -93,7 +92,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    pub(super) fn i16s<const N: usize>(&mut self) -> Result<[i16; N], WrongLength> {
+    pub(super) fn i16s<const N: usize>(&mut self) -> Result<[i16; N], LengthError> {
         let mut numbers = [0; N];
         for number in &mut numbers {
             *number = self.i16()?;
@@ -101,7 +100,7 @@ impl<'a> Reader<'a> {
         Ok(numbers)
     }
 
-    pub(super) fn u16s<const N: usize>(&mut self) -> Result<[u16; N], WrongLength> {
+    pub(super) fn u16s<const N: usize>(&mut self) -> Result<[u16; N], LengthError> {
         let mut numbers = [0; N];
         for number in &mut numbers {
             *number = self.u16()?;
@@ -109,26 +108,26 @@ impl<'a> Reader<'a> {
         Ok(numbers)
     }
 
-    /// Nothing may be left.
-    pub(super) fn end(self) -> Result<(), WrongLength> {
+    /// Checks that nothing is left.
+    pub(super) fn end(self) -> Result<(), LengthError> {
         if self.at == self.bytes.len() {
             return Ok(());
         }
-        Err(WrongLength {
+        Err(LengthError {
             need: self.at,
             got: self.bytes.len(),
         })
     }
 }
 
-/// Appends a number with a sign; what 15 bits do not hold becomes the nearest that they do.
+/// Appends a signed number; saturates at 15 bits of magnitude.
 pub(super) fn put_i16(out: &mut Vec<u8>, number: i32) {
     let magnitude = number.unsigned_abs().min(u32::from(!SIGN_16)) as u16;
     let sign = if number < 0 { SIGN_16 } else { 0 };
     out.extend_from_slice(&(magnitude | sign).to_le_bytes());
 }
 
-/// Appends a number with a sign; what 31 bits do not hold becomes the nearest that they do.
+/// Appends a signed number; saturates at 31 bits of magnitude.
 pub(super) fn put_i32(out: &mut Vec<u8>, number: i32) {
     let magnitude = number.unsigned_abs().min(!SIGN_32);
     let sign = if number < 0 { SIGN_32 } else { 0 };
@@ -182,7 +181,7 @@ mod tests {
     fn too_short_and_too_long_say_by_how_much() {
         let mut reader = Reader::new(&[1, 2, 3]);
         assert_eq!(reader.u16(), Ok(0x0201));
-        assert_eq!(reader.u16(), Err(WrongLength { need: 4, got: 3 }));
-        assert_eq!(reader.end(), Err(WrongLength { need: 2, got: 3 }));
+        assert_eq!(reader.u16(), Err(LengthError { need: 4, got: 3 }));
+        assert_eq!(reader.end(), Err(LengthError { need: 2, got: 3 }));
     }
 }

@@ -1,21 +1,21 @@
-//! What a host asks of the robot.
+//! The commands of a host to the robot.
 //!
-//! Units as on the line: translation in 0.1 in, 0.1 in/s, 0.1 in/s²; steering and turret in 0.1°, 0.1°/s, 0.1°/s². Three
-//! numbers are always translation, steering, turret.
+//! Units as on the line: translation in 0.1 in, 0.1 in/s, 0.1 in/s²; steering and turret in 0.1°,
+//! 0.1°/s, 0.1°/s². Three numbers are always translation, steering, turret.
 
-use super::bytes::{Reader, WrongLength, put_i16, put_u16};
-use super::{Kind, Mask, Packet};
+use super::bytes::{LengthError, Reader, put_i16, put_u16};
+use super::{Kind, Packet, StateMask};
 use std::fmt;
 
-/// What `mv` does with an axis.
+/// Mode of an axis in `mv`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum AxisMode {
-    /// Leave it as it is.
+    /// Leave the axis alone.
     Ignore = 0,
     /// Turn at this velocity.
     Velocity = 1,
-    /// Move by this much.
+    /// Move by this amount.
     Relative = 2,
     /// Motor off.
     Limp = 3,
@@ -27,8 +27,8 @@ pub enum AxisMode {
     Absolute = 6,
     /// Apply this torque.
     Torque = 7,
-    /// Never apply more torque than this.
-    MostTorque = 8,
+    /// Limit the torque.
+    MaxTorque = 8,
 }
 
 impl AxisMode {
@@ -41,7 +41,7 @@ impl AxisMode {
         Self::Speed,
         Self::Absolute,
         Self::Torque,
-        Self::MostTorque,
+        Self::MaxTorque,
     ];
 
     pub(super) fn of(number: u16) -> Option<Self> {
@@ -49,9 +49,9 @@ impl AxisMode {
     }
 }
 
-/// A group of readings with a `get_` command of its own, sent whatever the mask says.
+/// A group of readings with its own `get_` command, independent of the mask.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Group {
+pub enum ReadingGroup {
     /// `get_ir`.
     Infrared,
     /// `get_sn`.
@@ -72,7 +72,7 @@ pub enum Group {
     Segments,
 }
 
-impl Group {
+impl ReadingGroup {
     /// Every group.
     pub const ALL: [Self; 9] = [
         Self::Infrared,
@@ -86,7 +86,7 @@ impl Group {
         Self::Segments,
     ];
 
-    /// The type of the question and of its answer.
+    /// The packet type of request and answer.
     #[must_use]
     pub fn kind(self) -> Kind {
         match self {
@@ -102,47 +102,47 @@ impl Group {
         }
     }
 
-    /// The group a type asks for.
+    /// The group that belongs to a packet type.
     #[must_use]
     pub fn of(kind: Kind) -> Option<Self> {
         Self::ALL.into_iter().find(|group| group.kind() == kind)
     }
 }
 
-/// What a host asks for.
+/// A command.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Command {
+pub enum NomadCommand {
     /// `ac`: accelerations of all motions.
     Accelerations([u16; 3]),
     /// `sp`: speeds of `pr` and `pa`.
     Speeds([u16; 3]),
-    /// `pr`: move by this much; the three axes run together.
+    /// `pr`: move by these amounts; the axes run together.
     Relative([i16; 3]),
     /// `pa`: move to these positions.
     Absolute([i16; 3]),
-    /// `vm`: move at these velocities until something else is said, or nothing for too long.
+    /// `vm`: move at these velocities until another command or a time-out.
     Velocity([i16; 3]),
-    /// `mv`: each axis in its own way.
+    /// `mv`: each axis in its own mode.
     Move([(AxisMode, i16); 3]),
-    /// `ct`: what state packets hold from now on, this one's answer included.
-    Communicate(Mask),
+    /// `ct`: the content of state packets, including the answer to this command.
+    Communicate(StateMask),
     /// `gs`: the state.
     GetState,
     /// `st`: stop and hold.
     Stop,
     /// `lp`: motors off.
     Limp,
-    /// `tk`: say this text.
+    /// `tk`: speak this text.
     Talk(Vec<u8>),
-    /// `dp`: the robot is here.
+    /// `dp`: set the position.
     DefinePosition([i16; 2]),
-    /// `da`: these are the angles of steering and turret.
+    /// `da`: set the angles of steering and turret.
     DefineAngles([i16; 2]),
-    /// `zr`: align steering and turret with bumper 0 and call that zero.
+    /// `zr`: align steering and turret with bumper 0 and set the angles to zero.
     Zero,
     /// `conf_ir`.
     ConfigureInfrared {
-        /// Tenths of a reading that come from the one before, 0 … 10.
+        /// Tenths of a reading that come from the previous one, 0 … 10.
         history: u8,
         /// Order, ended by 255.
         order: [u8; 16],
@@ -160,43 +160,43 @@ pub enum Command {
     ConfigureLaser([u8; 6]),
     /// `conf_sg`: threshold, points, gap.
     ConfigureSegments([u8; 3]),
-    /// `conf_tm`: seconds of silence after which motions end; 0 = never.
+    /// `conf_tm`: time-out of motions without a command, seconds; 0 = none.
     ConfigureTimeout(u8),
     /// Speed of a Scout's serial port.
     ConfigureSerial {
-        /// Which port.
+        /// Number of the port.
         port: u8,
-        /// Baud, as far as 16 bits hold it.
+        /// Baud, limited to 16 bits.
         baud: u16,
     },
     /// `get_…`.
-    Get(Group),
-    /// `ws`: answer when these axes stand, or after so many seconds.
+    Get(ReadingGroup),
+    /// `ws`: answer when these axes stand, or after a time-out.
     WaitForStop {
-        /// Which axes.
+        /// Axes to wait for.
         axes: [bool; 3],
-        /// Seconds.
+        /// Time-out, seconds.
         timeout_s: u8,
     },
-    /// A type whose payload is not known: set-up of the laser, obstacles and places of the original simulator, the user's
-    /// own packets.
+    /// A packet with an unknown payload: laser setup, obstacles of the original simulator, user
+    /// packets.
     Opaque(Kind, Vec<u8>),
 }
 
-/// A packet that is no command.
+/// A packet that is not a command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NoCommand {
-    /// No such type.
+pub enum CommandError {
+    /// An unknown type.
     Kind(u8),
-    /// A robot's answer, not a question.
+    /// An answer of the robot.
     Nak,
-    /// No such way to move an axis.
+    /// An unknown mode of an axis.
     AxisMode(u16),
     /// The payload is too short or too long.
-    Length(Kind, WrongLength),
+    Length(Kind, LengthError),
 }
 
-impl fmt::Display for NoCommand {
+impl fmt::Display for CommandError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Kind(number) => write!(f, "there is no command {number}"),
@@ -207,10 +207,10 @@ impl fmt::Display for NoCommand {
     }
 }
 
-impl std::error::Error for NoCommand {}
+impl std::error::Error for CommandError {}
 
-impl Command {
-    /// The type of its packet, and of the answer.
+impl NomadCommand {
+    /// The packet type of the command and of its answer.
     #[must_use]
     pub fn kind(&self) -> Kind {
         match self {
@@ -241,7 +241,7 @@ impl Command {
         }
     }
 
-    /// The packet that asks for it.
+    /// Encodes the command.
     #[must_use]
     pub fn to_packet(&self) -> Packet {
         let mut out = Vec::new();
@@ -291,12 +291,12 @@ impl Command {
         Packet::new(self.kind(), out)
     }
 
-    /// Reads a packet.
+    /// Decodes a packet.
     ///
     /// # Errors
-    /// [`NoCommand`].
-    pub fn from_packet(packet: &Packet) -> Result<Self, NoCommand> {
-        let kind = Kind::from_byte(packet.kind).ok_or(NoCommand::Kind(packet.kind))?;
+    /// [`CommandError`].
+    pub fn from_packet(packet: &Packet) -> Result<Self, CommandError> {
+        let kind = Kind::from_byte(packet.kind).ok_or(CommandError::Kind(packet.kind))?;
         if let Some(opaque) = opaque(kind, &packet.payload) {
             return opaque;
         }
@@ -307,13 +307,13 @@ impl Command {
         });
         match read {
             Ok(command) => Ok(command),
-            Err(Unread::Mode(number)) => Err(NoCommand::AxisMode(number)),
-            Err(Unread::Length(wrong)) => Err(NoCommand::Length(kind, wrong)),
+            Err(PayloadError::Mode(number)) => Err(CommandError::AxisMode(number)),
+            Err(PayloadError::Length(wrong)) => Err(CommandError::Length(kind, wrong)),
         }
     }
 
-    fn read(kind: Kind, reader: &mut Reader<'_>) -> Result<Self, Unread> {
-        if let Some(group) = Group::of(kind) {
+    fn read(kind: Kind, reader: &mut Reader<'_>) -> Result<Self, PayloadError> {
+        if let Some(group) = ReadingGroup::of(kind) {
             return Ok(Self::Get(group));
         }
         Ok(match kind {
@@ -324,7 +324,7 @@ impl Command {
             Kind::Vm => Self::Velocity(reader.i16s()?),
             Kind::Dp => Self::DefinePosition(reader.i16s()?),
             Kind::Da => Self::DefineAngles(reader.i16s()?),
-            Kind::Ct => Self::Communicate(Mask::from_bytes(reader.bytes()?)),
+            Kind::Ct => Self::Communicate(StateMask::from_bytes(reader.bytes()?)),
             Kind::St => Self::Stop,
             Kind::Lp => Self::Limp,
             Kind::Zr => Self::Zero,
@@ -349,7 +349,7 @@ impl Command {
                 timeout_s: reader.u8()?,
             },
             Kind::Mv => Self::Move([axis(reader)?, axis(reader)?, axis(reader)?]),
-            // Gs; the others are opaque or groups.
+            // `gs`; all other types are opaque or groups.
             _ => Self::GetState,
         })
     }
@@ -361,39 +361,39 @@ fn put_signed(out: &mut Vec<u8>, numbers: &[i16]) {
         .for_each(|&number| put_i16(out, i32::from(number)));
 }
 
-/// Why a payload was not read.
-enum Unread {
+/// Why a payload cannot be decoded.
+enum PayloadError {
     Mode(u16),
-    Length(WrongLength),
+    Length(LengthError),
 }
 
-impl From<WrongLength> for Unread {
-    fn from(wrong: WrongLength) -> Self {
+impl From<LengthError> for PayloadError {
+    fn from(wrong: LengthError) -> Self {
         Self::Length(wrong)
     }
 }
 
-fn axis(reader: &mut Reader<'_>) -> Result<(AxisMode, i16), Unread> {
+fn axis(reader: &mut Reader<'_>) -> Result<(AxisMode, i16), PayloadError> {
     let number = reader.u16()?;
-    let mode = AxisMode::of(number).ok_or(Unread::Mode(number))?;
+    let mode = AxisMode::of(number).ok_or(PayloadError::Mode(number))?;
     Ok((mode, reader.i16()?))
 }
 
-/// Types whose payload is a text, not known, or none of a command's.
-fn opaque(kind: Kind, payload: &[u8]) -> Option<Result<Command, NoCommand>> {
+/// Decodes types with a text, an unknown payload, or no command.
+fn opaque(kind: Kind, payload: &[u8]) -> Option<Result<NomadCommand, CommandError>> {
     Some(match kind {
-        Kind::Nak => Err(NoCommand::Nak),
+        Kind::Nak => Err(CommandError::Nak),
         Kind::Tk => {
-            // With its closing zero, if it has one.
+            // The terminating zero is optional.
             let text = payload.strip_suffix(&[0]).unwrap_or(payload);
-            Ok(Command::Talk(text.to_vec()))
+            Ok(NomadCommand::Talk(text.to_vec()))
         }
         Kind::SetupLs
         | Kind::AddObs
         | Kind::DeleteObs
         | Kind::MoveObs
         | Kind::PlaceRobot
-        | Kind::Special => Ok(Command::Opaque(kind, payload.to_vec())),
+        | Kind::Special => Ok(NomadCommand::Opaque(kind, payload.to_vec())),
         _ => return None,
     })
 }

@@ -1,14 +1,14 @@
-//! When which sonar fires: `conf_sn`.
+//! The firing schedule of the sonars, as set by `conf_sn`.
 
 use arena::sonar::{FIRING_ORDER, FIRING_SLOT_S, SOUND_M_S};
 
 /// Unit of the rate, ms.
 const RATE_MS: u32 = 4;
 
-/// The rate that stands for 0, whose meaning the library does not say: 40 ms, in which an echo from 255 in comes back.
+/// Rate for the value 0, which the library does not define: 40 ms, enough for an echo from 255 in.
 const RATE: u8 = (FIRING_SLOT_S * 1e3) as u8 / RATE_MS as u8;
 
-/// Ends an order with fewer than 16 sonars.
+/// Ends a list of fewer than 16 sonars.
 const END: u8 = 255;
 
 /// One firing.
@@ -19,24 +19,24 @@ pub(super) struct Shot {
     pub(super) reach_m: f64,
 }
 
-/// The order of the sonars, and how far it has come.
+/// Order of the sonars and the next one to fire.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Firing {
+pub(super) struct FiringSchedule {
     slot_ms: u32,
     order: Vec<u8>,
     next: usize,
     due_ms: u32,
 }
 
-impl Default for Firing {
-    /// The drivers' order, a ring in 0.64 s; what the robot itself begins with is not known.
+impl Default for FiringSchedule {
+    /// The drivers' order, a ring in 0.64 s; the robot's own default is not known.
     fn default() -> Self {
         Self::new(RATE, FIRING_ORDER.map(|sensor| sensor as u8), 0)
     }
 }
 
-impl Firing {
-    /// From `now_ms` on, in this order: sonars beyond 15 are none, 255 ends the list.
+impl FiringSchedule {
+    /// Starts at `now_ms` with this order; sonars above 15 are ignored, 255 ends the list.
     pub(super) fn new(rate: u8, order: [u8; 16], now_ms: u32) -> Self {
         let rate = if rate == 0 { RATE } else { rate };
         let listed = order.into_iter().take_while(|&sensor| sensor != END);
@@ -48,7 +48,7 @@ impl Firing {
         }
     }
 
-    /// The sonar that fires in this millisecond, if one does.
+    /// The sonar that fires in this millisecond, if any.
     pub(super) fn due(&mut self, now_ms: u32) -> Option<Shot> {
         let sensor = *self.order.get(self.next)?;
         if now_ms != self.due_ms {
@@ -67,7 +67,7 @@ impl Firing {
 mod tests {
     use super::*;
 
-    fn shots(firing: &mut Firing, from_ms: u32, ms: u32) -> Vec<(u32, usize)> {
+    fn shots(firing: &mut FiringSchedule, from_ms: u32, ms: u32) -> Vec<(u32, usize)> {
         let times = (0..ms).map(|i| from_ms.wrapping_add(i));
         times
             .filter_map(|at| firing.due(at).map(|shot| (at, shot.sensor)))
@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn a_ring_takes_sixteen_slots_in_the_drivers_order() {
-        let mut firing = Firing::default();
+        let mut firing = FiringSchedule::default();
         let fired = shots(&mut firing, 0, 641);
         assert_eq!(fired.len(), 17);
         for (slot, (at, sensor)) in fired.into_iter().enumerate() {
@@ -88,14 +88,14 @@ mod tests {
     fn a_short_order_ends_at_255_and_an_empty_one_is_silent() {
         let mut order = [255; 16];
         order[..3].copy_from_slice(&[0, 1, 15]);
-        let mut firing = Firing::new(15, order, 100);
+        let mut firing = FiringSchedule::new(15, order, 100);
         assert_eq!(
             shots(&mut firing, 100, 200),
             [(100, 0), (160, 1), (220, 15), (280, 0)]
         );
-        assert_eq!(shots(&mut Firing::new(0, [255; 16], 0), 0, 500), []);
-        // Over the end of the clock.
-        let mut firing = Firing::new(10, order, u32::MAX - 9);
+        assert_eq!(shots(&mut FiringSchedule::new(0, [255; 16], 0), 0, 500), []);
+        // Across the wrap of the clock.
+        let mut firing = FiringSchedule::new(10, order, u32::MAX - 9);
         assert_eq!(
             shots(&mut firing, u32::MAX - 9, 60),
             [(u32::MAX - 9, 0), (30, 1)]
@@ -105,7 +105,7 @@ mod tests {
     #[test]
     fn what_comes_back_after_the_next_firing_is_out_of_reach() {
         let reach = |rate: u8| {
-            Firing::new(rate, [3; 16], 0)
+            FiringSchedule::new(rate, [3; 16], 0)
                 .due(0)
                 .map(|shot| shot.reach_m)
         };

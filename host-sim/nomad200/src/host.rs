@@ -1,7 +1,8 @@
-//! A host's end of the robot's line: asks, and waits for the answer.
+//! The host's end of the robot's line: sends commands and waits for answers.
 
 use super::{
-    Command, Decoder, Greeting, Kind, MAX_FROM_ROBOT, Mask, NoCommand, Packet, State, WrongLength,
+    CommandError, Decoder, Greeting, Kind, LengthError, MAX_FROM_ROBOT, NomadCommand, NomadState,
+    Packet, StateMask,
 };
 use remote::link::{Deadline, Transport};
 use std::collections::VecDeque;
@@ -9,26 +10,26 @@ use std::fmt;
 use std::io;
 use std::time::{Duration, Instant};
 
-/// How long the client library waits for an answer.
-pub const PATIENCE: Duration = Duration::from_secs(1);
+/// The client library's timeout for an answer.
+pub const ANSWER_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// Why a robot could not be asked.
+/// Why a request failed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum RobotError {
-    /// The line broke.
+    /// The transport failed.
     Broken {
         /// How.
         why: String,
     },
-    /// No answer came.
+    /// No answer.
     Silent {
-        /// How long it was waited for.
+        /// How long it waited.
         waited: Duration,
     },
     /// The robot does not know the command.
     Refused(Kind),
-    /// The answer is not as long as it should be.
-    Answer(Kind, WrongLength),
+    /// An answer of the wrong length.
+    Answer(Kind, LengthError),
 }
 
 impl fmt::Display for RobotError {
@@ -41,7 +42,7 @@ impl fmt::Display for RobotError {
                 waited.as_secs_f32()
             ),
             Self::Refused(kind) => write!(f, "the robot does not know the command {kind:?}"),
-            Self::Answer(kind, wrong) => NoCommand::Length(*kind, *wrong).fmt(f),
+            Self::Answer(kind, wrong) => CommandError::Length(*kind, *wrong).fmt(f),
         }
     }
 }
@@ -56,18 +57,18 @@ impl From<io::Error> for RobotError {
     }
 }
 
-/// A robot at the other end of a line.
+/// A robot at the other end of a transport.
 pub struct Host {
     line: Box<dyn Transport>,
     decoder: Decoder,
     deadline: Deadline,
     found: VecDeque<Packet>,
-    mask: Mask,
-    state: State,
+    mask: StateMask,
+    state: NomadState,
 }
 
 impl Host {
-    /// A robot at a serial line. Nothing is said yet; what its mask is shows after the first `ct`.
+    /// A robot on a serial line. Its mask is known after the first `ct`.
     #[must_use]
     pub fn new(line: impl Transport + 'static) -> Self {
         Self {
@@ -75,19 +76,19 @@ impl Host {
             decoder: Decoder::new(MAX_FROM_ROBOT),
             deadline: Deadline::default(),
             found: VecDeque::new(),
-            mask: Mask::ALL,
-            state: State::default(),
+            mask: StateMask::ALL,
+            state: NomadState::default(),
         }
     }
 
-    /// A robot at a TCP connection, which greets with its mask.
+    /// A robot on a TCP connection, which sends its mask first.
     ///
     /// # Errors
     /// When the greeting does not come.
-    pub fn greeted(line: impl Transport + 'static) -> Result<Self, RobotError> {
+    pub fn with_greeting(line: impl Transport + 'static) -> Result<Self, RobotError> {
         let mut host = Self::new(line);
         let mut greeting = Vec::new();
-        let until = Instant::now() + PATIENCE;
+        let until = Instant::now() + ANSWER_TIMEOUT;
         while greeting.len() < Greeting::BYTES {
             let mut buffer = [0; Greeting::BYTES];
             let room = buffer.get_mut(greeting.len()..).unwrap_or_default();
@@ -101,54 +102,54 @@ impl Host {
         Ok(host)
     }
 
-    /// What state packets hold at present.
+    /// Content of state packets.
     #[must_use]
-    pub fn mask(&self) -> &Mask {
+    pub fn mask(&self) -> &StateMask {
         &self.mask
     }
 
-    /// The readings so far.
+    /// The latest readings.
     #[must_use]
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &NomadState {
         &self.state
     }
 
-    /// The line itself, for whoever wants to say something else.
+    /// The transport, for raw bytes.
     pub fn line(&mut self) -> &mut dyn Transport {
         &mut *self.line
     }
 
-    /// Asks and waits for the answer as long as the client library does; returns the readings after it.
+    /// Sends a command and waits for the answer, with the library's timeout. Returns the readings.
     ///
     /// # Errors
     /// [`RobotError`].
-    pub fn ask(&mut self, command: &Command) -> Result<&State, RobotError> {
-        self.ask_within(command, PATIENCE)
+    pub fn request(&mut self, command: &NomadCommand) -> Result<&NomadState, RobotError> {
+        self.request_within(command, ANSWER_TIMEOUT)
     }
 
-    /// As [`ask`](Self::ask) for questions whose answer takes its time.
+    /// As [`request`](Self::request), with another timeout.
     ///
     /// # Errors
     /// [`RobotError`].
-    pub fn ask_within(
+    pub fn request_within(
         &mut self,
-        command: &Command,
-        patience: Duration,
-    ) -> Result<&State, RobotError> {
-        if let Command::Communicate(mask) = command {
+        command: &NomadCommand,
+        timeout: Duration,
+    ) -> Result<&NomadState, RobotError> {
+        if let NomadCommand::Communicate(mask) = command {
             self.mask = *mask;
         }
         self.line.send(&command.to_packet().to_bytes())?;
-        let until = Instant::now() + patience;
+        let until = Instant::now() + timeout;
         loop {
             let Some(packet) = self.next(until)? else {
-                return Err(RobotError::Silent { waited: patience });
+                return Err(RobotError::Silent { waited: timeout });
             };
             let kind = command.kind();
             if packet.kind == Kind::Nak as u8 {
                 return Err(RobotError::Refused(kind));
             }
-            // A late answer to an earlier question is none to this one.
+            // A late answer to an earlier command is skipped.
             if packet.kind == kind as u8 {
                 self.take(command, &packet)
                     .map_err(|wrong| RobotError::Answer(kind, wrong))?;
@@ -157,19 +158,19 @@ impl Host {
         }
     }
 
-    fn take(&mut self, command: &Command, packet: &Packet) -> Result<(), WrongLength> {
+    fn take(&mut self, command: &NomadCommand, packet: &Packet) -> Result<(), LengthError> {
         match command {
-            Command::Get(group) => self.state.take_group(*group, &self.mask, &packet.payload),
-            // Three marks of a calibration.
-            Command::ConfigureCompass(_) => Ok(()),
+            NomadCommand::Get(group) => self.state.take_group(*group, &self.mask, &packet.payload),
+            // Three values of a calibration.
+            NomadCommand::ConfigureCompass(_) => Ok(()),
             _ => self.state.take_payload(&self.mask, &packet.payload),
         }
     }
 
-    /// The next packet that comes until then.
+    /// The next packet until then.
     ///
     /// # Errors
-    /// A broken line.
+    /// When the transport fails.
     pub fn next(&mut self, until: Instant) -> Result<Option<Packet>, RobotError> {
         let mut buffer = [0; 1_024];
         loop {
@@ -192,15 +193,17 @@ impl Host {
     }
 }
 
-/// At least one byte, or silence.
+/// Reads at least one byte, or times out.
 fn receive(
     line: &mut dyn Transport,
     buffer: &mut [u8],
     until: Instant,
 ) -> Result<usize, RobotError> {
-    let patience = until.saturating_duration_since(Instant::now());
-    match line.receive(buffer, patience)? {
-        0 => Err(RobotError::Silent { waited: PATIENCE }),
+    let timeout = until.saturating_duration_since(Instant::now());
+    match line.receive(buffer, timeout)? {
+        0 => Err(RobotError::Silent {
+            waited: ANSWER_TIMEOUT,
+        }),
         count => Ok(count),
     }
 }
@@ -214,12 +217,12 @@ mod tests {
     fn a_robot_that_never_stops_answering_something_else_is_given_up() {
         let report = Packet::new(Kind::Ct, vec![0; 80]).to_bytes();
         let mut host = Host::new(Flood::of(move || report.clone()));
-        for patience in [Duration::from_millis(100), PATIENCE] {
+        for timeout in [Duration::from_millis(100), ANSWER_TIMEOUT] {
             let began = Instant::now();
-            let answer = host.ask_within(&Command::GetState, patience).err();
+            let answer = host.request_within(&NomadCommand::GetState, timeout).err();
             let took = began.elapsed();
-            assert_eq!(answer, Some(RobotError::Silent { waited: patience }));
-            assert!(took < patience + Duration::from_millis(500), "{took:?}");
+            assert_eq!(answer, Some(RobotError::Silent { waited: timeout }));
+            assert!(took < timeout + Duration::from_millis(500), "{took:?}");
         }
     }
 }

@@ -1,9 +1,10 @@
-//! The message types of the Nomad's protocol, by the names and numbers of its client library (Ndirect 2.6).
+//! Packet types of the Nomad's protocol, with the names and numbers of its client library (Ndirect
+//! 2.6).
 
-/// Makes the enumeration and the way back from a byte, so that neither can miss a type.
+/// Defines the enumeration and the conversion from a byte together, so neither can miss a type.
 macro_rules! kinds {
     ($($(#[$doc:meta])* $name:ident = $number:literal,)*) => {
-        /// What a packet is.
+        /// Type of a packet.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         #[repr(u8)]
         pub enum Kind {
@@ -14,7 +15,7 @@ macro_rules! kinds {
             /// Every type.
             pub const ALL: &'static [Self] = &[$(Self::$name,)*];
 
-            /// The type of this number.
+            /// The type with this number.
             #[must_use]
             pub const fn from_byte(byte: u8) -> Option<Self> {
                 match byte {
@@ -41,7 +42,7 @@ kinds! {
     Ct = 6,
     /// `gs`: the state.
     Gs = 7,
-    /// Not understood.
+    /// Not acknowledged.
     Nak = 8,
     /// `st`: stop and hold.
     St = 9,
@@ -77,7 +78,7 @@ kinds! {
     GetCp = 24,
     /// `get_ls`: laser.
     GetLs = 25,
-    /// Set-up of the laser.
+    /// Laser setup.
     SetupLs = 26,
     /// `get_bp`: bumpers.
     GetBp = 27,
@@ -89,19 +90,19 @@ kinds! {
     Da = 30,
     /// `ws`: wait for the motors to stop.
     Ws = 31,
-    /// An obstacle in the simulator.
+    /// Adds an obstacle in the simulator.
     AddObs = 32,
-    /// One less.
+    /// Deletes an obstacle.
     DeleteObs = 33,
-    /// One elsewhere.
+    /// Moves an obstacle.
     MoveObs = 34,
     /// Serial port of a Scout.
     ConfSer = 35,
     /// Places the simulated robot.
     PlaceRobot = 36,
-    /// `mv`: each axis in its own way.
+    /// `mv`: each axis in its own mode.
     Mv = 43,
-    /// The user's own.
+    /// User packet.
     Special = 128,
 }
 

@@ -1,63 +1,63 @@
-//! The simulated robot at the end of a line: bytes in, bytes out.
+//! The simulated robot behind a line: bytes in, bytes out.
 
-use super::nserver::{self, Message, Request};
+use super::nserver::{self, Request, ServerMessage};
 use super::simulated::nak;
-use super::{Command, Decoder, Greeting, LaserSetup, MAX_TO_ROBOT, Packet, Simulated};
+use super::{Decoder, Greeting, LaserSetup, MAX_TO_ROBOT, NomadCommand, Packet, SimulatedNomad};
 
-/// How one speaks on the line.
+/// Protocol of the line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Protocol {
-    /// As the robot itself.
+    /// The robot's own.
     Direct,
-    /// As the original simulator's server.
+    /// That of the original simulator's server.
     Nserver {
-        /// The port that server is at, which it says to whoever connects.
+        /// Port of the robot, which the server tells a client.
         port: u16,
-        /// How many times real time the robot lives, which its state says.
+        /// Factor of simulated to real time, which the state reports.
         speed: u32,
     },
 }
 
-/// A robot and its line. A packet that is sound but no command is answered with NAK; what is no packet is not answered at
-/// all, so that noise on the line is never taken for the answer to the next question.
+/// A robot and its line. A valid packet with an unknown command is answered with NAK. Anything else
+/// is not answered, so noise never looks like an answer.
 #[derive(Debug, Clone)]
-pub struct Line {
-    robot: Simulated,
+pub struct RobotLine {
+    robot: SimulatedNomad,
     protocol: Protocol,
     decoder: Decoder,
-    /// The beginning of a message, by the server's protocol.
-    begun: Vec<u8>,
+    /// The beginning of an incomplete server message.
+    partial: Vec<u8>,
     out: Vec<u8>,
 }
 
-impl Line {
-    /// A line nobody has spoken on.
+impl RobotLine {
+    /// A line without any traffic yet.
     #[must_use]
-    pub fn new(robot: Simulated, protocol: Protocol) -> Self {
+    pub fn new(robot: SimulatedNomad, protocol: Protocol) -> Self {
         Self {
             robot,
             protocol,
             decoder: Decoder::new(MAX_TO_ROBOT),
-            begun: Vec::new(),
+            partial: Vec::new(),
             out: Vec::new(),
         }
     }
 
     /// The robot.
     #[must_use]
-    pub fn robot(&self) -> &Simulated {
+    pub fn robot(&self) -> &SimulatedNomad {
         &self.robot
     }
 
-    /// Somebody else is at the other end: what was begun is forgotten.
-    pub fn renew(&mut self) {
+    /// Resets the line for another host.
+    pub fn reset(&mut self) {
         self.decoder = Decoder::new(MAX_TO_ROBOT);
-        self.begun.clear();
-        self.robot.forget_question();
+        self.partial.clear();
+        self.robot.cancel_answer();
         self.out.clear();
     }
 
-    /// Says what a Nomad 200 says to whoever connects over TCP; its simulator's server says nothing.
+    /// Sends the greeting of a Nomad 200; the simulator's server has none.
     pub fn greet(&mut self) {
         let greeting = Greeting {
             mask: *self.robot.mask(),
@@ -68,57 +68,57 @@ impl Line {
         }
     }
 
-    /// Takes bytes from the host.
+    /// Handles bytes from the host.
     pub fn receive(&mut self, bytes: &[u8]) {
         if self.protocol == Protocol::Direct {
             let mut found = Vec::new();
             self.decoder.push(bytes, &mut found);
-            self.obey(&found);
+            self.execute(&found);
         } else {
-            self.begun.extend(bytes);
-            while let Some(message) = Message::take_from(&mut self.begun) {
+            self.partial.extend(bytes);
+            while let Some(message) = ServerMessage::take_from(&mut self.partial) {
                 self.serve(&Request::of(&message));
             }
         }
     }
 
-    /// No byte has come for a while: an unfinished packet is given up.
+    /// Discards an incomplete packet after a silence.
     pub fn idle(&mut self) {
         let mut found = Vec::new();
         self.decoder.idle(&mut found);
-        self.obey(&found);
-        self.begun.clear();
+        self.execute(&found);
+        self.partial.clear();
     }
 
-    /// Lets `ms` milliseconds of the robot's time pass.
+    /// Advances the robot's time by `ms` milliseconds.
     pub fn advance(&mut self, ms: u32) {
         for _ in 0..ms {
             self.robot.advance(1);
             if let Some(answer) = self.robot.answer() {
-                self.say(&answer);
+                self.send(&answer);
             }
         }
     }
 
-    /// Bytes for the host.
+    /// Takes the bytes for the host.
     pub fn take(&mut self) -> Vec<u8> {
         std::mem::take(&mut self.out)
     }
 
-    fn obey(&mut self, packets: &[Packet]) {
+    fn execute(&mut self, packets: &[Packet]) {
         for packet in packets {
-            let answer = match Command::from_packet(packet) {
+            let answer = match NomadCommand::from_packet(packet) {
                 Ok(command) => self.robot.take(&command),
                 Err(_) => Some(nak()),
             };
             if let Some(answer) = answer {
-                self.say(&answer);
+                self.send(&answer);
             }
         }
     }
 
-    /// Sends the robot's answer in the way of the line.
-    fn say(&mut self, answer: &Packet) {
+    /// Encodes the robot's answer in the line's protocol.
+    fn send(&mut self, answer: &Packet) {
         match self.protocol {
             Protocol::Direct => self.out.extend(answer.to_bytes()),
             Protocol::Nserver { speed, .. } => {
@@ -129,23 +129,25 @@ impl Line {
         }
     }
 
-    /// Does what is asked of the original simulator's server.
+    /// Handles a request to the original simulator's server.
     fn serve(&mut self, request: &Request) {
         if let Request::Robot(command) = request {
             if let Some(answer) = self.robot.take(command) {
-                self.say(&answer);
+                self.send(&answer);
             }
             return;
         }
         if let Request::Place([x, y, steering, turret]) = *request {
-            let _ = self.robot.take(&Command::DefinePosition([x, y]));
-            let _ = self.robot.take(&Command::DefineAngles([steering, turret]));
+            let _ = self.robot.take(&NomadCommand::DefinePosition([x, y]));
+            let _ = self
+                .robot
+                .take(&NomadCommand::DefineAngles([steering, turret]));
         }
         let port = match self.protocol {
             Protocol::Direct => 0,
             Protocol::Nserver { port, .. } => port,
         };
-        if let Some(answer) = nserver::answer_else(request, self.robot.state(), port) {
+        if let Some(answer) = nserver::answer_request(request, self.robot.state(), port) {
             self.out.extend(answer.to_bytes());
         }
     }
@@ -154,19 +156,19 @@ impl Line {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Group, Kind, MAX_FROM_ROBOT};
+    use crate::{Kind, MAX_FROM_ROBOT, ReadingGroup};
     use arena::sonar::SonarModel;
     use arena::world::World;
 
-    fn line() -> Line {
+    fn line() -> RobotLine {
         let world = World::paper().unwrap();
-        Line::new(
-            Simulated::new(world, SonarModel::Ideal, 1),
+        RobotLine::new(
+            SimulatedNomad::new(world, SonarModel::Ideal, 1),
             Protocol::Direct,
         )
     }
 
-    fn kinds(line: &mut Line) -> Vec<u8> {
+    fn kinds(line: &mut RobotLine) -> Vec<u8> {
         let mut found = Vec::new();
         Decoder::new(MAX_FROM_ROBOT).push(&line.take(), &mut found);
         found.into_iter().map(|packet| packet.kind).collect()
@@ -176,22 +178,22 @@ mod tests {
     fn sound_packets_are_answered_and_noise_is_not() {
         let mut line = line();
         line.receive(&[0x37, 0xff, 1, 0, 0, 92]);
-        line.receive(&Command::GetState.to_packet().to_bytes());
+        line.receive(&NomadCommand::GetState.to_packet().to_bytes());
         assert_eq!(kinds(&mut line), [Kind::Gs as u8]);
         let unknown = Packet {
             kind: 99,
             payload: vec![1, 2],
         };
         line.receive(&unknown.to_bytes());
-        let mut short = Command::Velocity([1, 2, 3]).to_packet();
+        let mut short = NomadCommand::Velocity([1, 2, 3]).to_packet();
         short.payload.pop();
         line.receive(&short.to_bytes());
         assert_eq!(kinds(&mut line), [Kind::Nak as u8; 2]);
-        // Half a packet is forgotten after a while, or when somebody else speaks.
-        for forget in [Line::idle, Line::renew] {
+        // Half a packet is discarded after a silence, or for another host.
+        for forget in [RobotLine::idle, RobotLine::reset] {
             line.receive(&[1, 8, 0, 5, 100]);
             forget(&mut line);
-            line.receive(&Command::Get(Group::Pose).to_packet().to_bytes());
+            line.receive(&NomadCommand::Get(ReadingGroup::Pose).to_packet().to_bytes());
             assert_eq!(kinds(&mut line), [Kind::GetRc as u8]);
         }
     }
@@ -199,8 +201,8 @@ mod tests {
     #[test]
     fn an_answer_that_waits_comes_with_time() {
         let mut line = line();
-        line.receive(&Command::Relative([100, 0, 0]).to_packet().to_bytes());
-        let wait = Command::WaitForStop {
+        line.receive(&NomadCommand::Relative([100, 0, 0]).to_packet().to_bytes());
+        let wait = NomadCommand::WaitForStop {
             axes: [true; 3],
             timeout_s: 10,
         };
@@ -219,16 +221,16 @@ mod tests {
             port: 7_019,
             speed: 5,
         };
-        let mut line = Line { protocol, ..line() };
+        let mut line = RobotLine { protocol, ..line() };
         line.greet();
         assert!(line.take().is_empty());
         let mut ask = |kind: u16, numbers: &[i32], ms: u32| {
             let numbers = numbers.to_vec();
-            line.receive(&Message { kind, numbers }.to_bytes());
+            line.receive(&ServerMessage { kind, numbers }.to_bytes());
             let mut bytes = line.take();
             line.advance(ms);
             bytes.extend(line.take());
-            let answer = Message::take_from(&mut bytes);
+            let answer = ServerMessage::take_from(&mut bytes);
             assert!(bytes.is_empty());
             answer.map(|message| (message.kind, message.numbers))
         };

@@ -1,23 +1,23 @@
-//! Which data the robot puts into its state packets: the `Smask` of the client library.
+//! The content of state packets: the `Smask` of the client library.
 
-use super::bytes::{Reader, WrongLength};
+use super::bytes::{LengthError, Reader};
 
-/// Position data is attached to infrared readings: a bit of [`Mask::attached`].
+/// Bit of [`StateMask::attached`]: position data with infrared readings.
 pub const WITH_INFRARED: u8 = 1;
-/// To sonar readings.
+/// With sonar readings.
 pub const WITH_SONAR: u8 = 1 << 1;
-/// To the bumpers.
+/// With the bumpers.
 pub const WITH_BUMPER: u8 = 1 << 2;
-/// To the laser.
+/// With the laser.
 pub const WITH_LASER: u8 = 1 << 3;
-/// To the compass.
+/// With the compass.
 pub const WITH_COMPASS: u8 = 1 << 4;
 
 const WITH_ALL: u8 = 0x1f;
 
-/// What a state packet holds.
+/// Content of a state packet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Mask {
+pub struct StateMask {
     /// Bit i: infrared sensor i.
     pub infrared: u16,
     /// Bit i: sonar i.
@@ -26,18 +26,18 @@ pub struct Mask {
     pub bumper: bool,
     /// x, y, steering, turret.
     pub pose: [bool; 4],
-    /// Of translation, steering, turret.
+    /// Translation, steering, turret.
     pub velocity: [bool; 3],
     /// The laser.
     pub laser: bool,
     /// The compass.
     pub compass: bool,
-    /// Which readings come with position data: bits [`WITH_INFRARED`] … [`WITH_COMPASS`].
+    /// Readings with position data: bits [`WITH_INFRARED`] … [`WITH_COMPASS`].
     pub attached: u8,
 }
 
-impl Mask {
-    /// Everything, without position data: what `init_sensors` asks for.
+impl StateMask {
+    /// Everything without position data, as `init_sensors` requests it.
     pub const ALL: Self = Self {
         infrared: u16::MAX,
         sonar: u16::MAX,
@@ -49,7 +49,7 @@ impl Mask {
         attached: 0,
     };
 
-    /// Nothing but what is always there: motor status, time, voltages.
+    /// Only what is always present: motor status, time, voltages.
     pub const NONE: Self = Self {
         infrared: 0,
         sonar: 0,
@@ -81,8 +81,8 @@ impl Mask {
         self.velocity = std::array::from_fn(|i| bit(5 + i));
     }
 
-    /// The seven bytes of a `ct`. The library's own `ct` has a slip: its bit for the turret's velocity is the one of
-    /// sonar 13.
+    /// The seven bytes of a `ct`. The library has a bug here: it uses the bit of sonar 13 for the
+    /// turret's velocity.
     #[must_use]
     pub fn to_bytes(&self) -> [u8; 7] {
         let [ir_low, ir_high] = self.infrared.to_le_bytes();
@@ -98,7 +98,7 @@ impl Mask {
         ]
     }
 
-    /// The mask of a `ct`'s seven bytes; bits without a meaning are ignored.
+    /// Decodes the seven bytes of a `ct`; unknown bits are ignored.
     #[must_use]
     pub fn from_bytes(bytes: [u8; 7]) -> Self {
         let [ir_low, ir_high, sonar_low, sonar_high, motion, laser, rest] = bytes;
@@ -115,10 +115,10 @@ impl Mask {
     }
 }
 
-/// The laser's set-up in a [`Greeting`].
+/// Laser setup in a [`Greeting`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LaserSetup {
-    /// On-board processing; 51 unless somebody changed it.
+    /// On-board processing; 51 by default.
     pub mode: u8,
     /// Number of points.
     pub points: u16,
@@ -127,7 +127,7 @@ pub struct LaserSetup {
 }
 
 impl Default for LaserSetup {
-    /// What the library's own example sets.
+    /// As in the library's example.
     fn default() -> Self {
         Self {
             mode: 51,
@@ -137,21 +137,21 @@ impl Default for LaserSetup {
     }
 }
 
-/// The eleven bytes a Nomad 200 sends to whoever connects over TCP, before anything is asked: its mask and its laser's
-/// set-up. Laser and compass have changed places against `ct`.
+/// The eleven bytes that a Nomad 200 sends on a TCP connection first: its mask and laser setup.
+/// Laser and compass are swapped compared with `ct`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Greeting {
-    /// What state packets hold.
-    pub mask: Mask,
+    /// Content of state packets.
+    pub mask: StateMask,
     /// The laser.
     pub laser: LaserSetup,
 }
 
 impl Greeting {
-    /// Its length.
+    /// Length in bytes.
     pub const BYTES: usize = 11;
 
-    /// The bytes.
+    /// Encodes the greeting.
     #[must_use]
     pub fn to_bytes(&self) -> [u8; Self::BYTES] {
         let [a, b, c, d, motion, ..] = self.mask.to_bytes();
@@ -176,18 +176,18 @@ impl Greeting {
         ]
     }
 
-    /// Reads the bytes.
+    /// Decodes a greeting.
     ///
     /// # Errors
-    /// When there are not eleven.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, WrongLength> {
+    /// When there are not eleven bytes.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, LengthError> {
         let mut reader = Reader::new(bytes);
         let [a, b, c, d, motion, compass, laser] = reader.bytes()?;
         let (mode, points, processing) = (reader.u8()?, reader.u16()?, reader.u8()?);
         reader.end()?;
         let as_ct = [a, b, c, d, motion, laser & 1, compass & 1 | laser & !1];
         Ok(Self {
-            mask: Mask::from_bytes(as_ct),
+            mask: StateMask::from_bytes(as_ct),
             laser: LaserSetup {
                 mode,
                 points,
@@ -203,22 +203,22 @@ pub(super) mod tests {
     use proptest::prelude::*;
 
     /// Any mask.
-    pub(in super::super) fn masks() -> impl Strategy<Value = Mask> {
-        any::<[u8; 7]>().prop_map(Mask::from_bytes)
+    pub(in super::super) fn masks() -> impl Strategy<Value = StateMask> {
+        any::<[u8; 7]>().prop_map(StateMask::from_bytes)
     }
 
     #[test]
     fn each_bit_of_a_ct_has_its_place() {
         assert_eq!(
-            Mask::ALL.to_bytes(),
+            StateMask::ALL.to_bytes(),
             [0xff, 0xff, 0xff, 0xff, 0xff, 0x01, 0x01]
         );
-        let one = Mask {
+        let one = StateMask {
             sonar: 1 << 9,
             pose: [false, true, false, false],
             velocity: [false, false, true],
             attached: WITH_SONAR | WITH_COMPASS,
-            ..Mask::NONE
+            ..StateMask::NONE
         };
         assert_eq!(one.to_bytes(), [0, 0, 0, 0x02, 0x84, 0, 0x24]);
     }
@@ -226,10 +226,10 @@ pub(super) mod tests {
     #[test]
     fn the_greeting_has_compass_before_laser() {
         let greeting = Greeting {
-            mask: Mask {
+            mask: StateMask {
                 laser: true,
                 attached: WITH_INFRARED,
-                ..Mask::NONE
+                ..StateMask::NONE
             },
             laser: LaserSetup::default(),
         };
@@ -241,7 +241,7 @@ pub(super) mod tests {
     proptest! {
         #[test]
         fn masks_come_back(mask in masks(), mode: u8, points: u16, processing: u8) {
-            prop_assert_eq!(Mask::from_bytes(mask.to_bytes()), mask);
+            prop_assert_eq!(StateMask::from_bytes(mask.to_bytes()), mask);
             let greeting = Greeting { mask, laser: LaserSetup { mode, points, processing } };
             prop_assert_eq!(Greeting::from_bytes(&greeting.to_bytes()), Ok(greeting));
         }

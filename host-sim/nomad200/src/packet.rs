@@ -1,30 +1,30 @@
-//! Packets on the line: `01 LEN LEN TYPE payload CK 5C`.
+//! Encodes and decodes packets on the line: `01 LEN LEN TYPE payload CK 5C`.
 //!
-//! LEN (low byte first) counts type, payload and check byte. CK is the sum of all bytes before it, modulo 256. Nothing is
-//! escaped and nothing is numbered: a [`Decoder`] that has lost its place looks for the next bytes that are a whole sound
-//! packet. A byte 01 in the middle of garbage may promise a packet that never ends; [`Decoder::idle`] ends the waiting.
+//! LEN (low byte first) counts type, payload and check byte; CK is the sum of all bytes before it,
+//! modulo 256. A [`Decoder`] resynchronizes at the next valid packet. A byte 01 in noise may start
+//! a packet that never ends; [`Decoder::idle`] discards it.
 
 use super::Kind;
 
 const BEGIN: u8 = 1;
 const END: u8 = 0x5c;
-/// Bytes before the type.
+/// Bytes in front of the type.
 const HEAD: usize = 3;
-/// Bytes of a packet that LEN does not count: its beginning, itself and its end.
+/// Bytes that LEN does not count: the first byte, LEN and the last byte.
 const UNCOUNTED: usize = 4;
 
-/// Largest LEN of a packet to the robot: the client library writes its low byte only.
+/// Largest LEN of a packet to the robot: the client library writes only its low byte.
 pub const MAX_TO_ROBOT: usize = 255;
 
-/// Largest LEN of a packet from the robot that is believed: the client library's buffer.
+/// Largest accepted LEN of a packet from the robot: the size of the client library's buffer.
 pub const MAX_FROM_ROBOT: usize = 4_096;
 
 /// A packet without its frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Packet {
-    /// Its type; not every number is one.
+    /// Its type, known or not.
     pub kind: u8,
-    /// What it carries.
+    /// Its payload.
     pub payload: Vec<u8>,
 }
 
@@ -38,12 +38,12 @@ impl Packet {
         }
     }
 
-    /// The bytes on the line. A payload beyond 65 533 bytes has no LEN and is cut off there.
+    /// Encodes the packet; a payload is cut off at 65 533 bytes.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let most = usize::from(u16::MAX) - 2;
         let payload = self.payload.get(..most).unwrap_or(&self.payload);
-        // At most 65 535 by the line above.
+        // Limited two lines above.
         let length = (payload.len() + 2) as u16;
         let mut bytes = Vec::with_capacity(payload.len() + HEAD + 3);
         bytes.push(BEGIN);
@@ -60,100 +60,101 @@ fn sum(bytes: &[u8]) -> u8 {
     bytes.iter().fold(0, |sum, &byte| sum.wrapping_add(byte))
 }
 
-/// Finds packets in a stream of bytes. Keeps at most one unfinished packet; each byte costs at most one look at as many
-/// bytes as the longest packet has.
+/// Finds packets in a stream of bytes. It buffers at most one incomplete packet; the cost per byte
+/// is bounded by the longest packet.
 #[derive(Debug, Clone)]
 pub struct Decoder {
     most: usize,
-    kept: Vec<u8>,
-    /// Bytes that belonged to no packet.
+    buffer: Vec<u8>,
+    /// Bytes outside any packet.
     skipped: u64,
 }
 
-/// What the kept bytes begin with.
-enum Begun {
+/// What the buffer begins with.
+enum Prefix {
     /// No packet.
     Nothing,
-    /// A packet that may still come.
+    /// An incomplete packet.
     Part,
-    /// A whole one of so many bytes.
+    /// A complete packet of this length.
     Whole(usize),
 }
 
 impl Decoder {
-    /// A decoder that believes in packets with a LEN of at most `most`.
+    /// A decoder that accepts packets with a LEN of at most `most`.
     #[must_use]
     pub fn new(most: usize) -> Self {
         Self {
             most,
-            kept: Vec::new(),
+            buffer: Vec::new(),
             skipped: 0,
         }
     }
 
-    /// Takes bytes; appends the packets they complete to `found`.
+    /// Decodes bytes; appends complete packets to `found`.
     pub fn push(&mut self, bytes: &[u8], found: &mut Vec<Packet>) {
         for &byte in bytes {
-            self.kept.push(byte);
+            self.buffer.push(byte);
             self.search(found, false);
         }
     }
 
-    /// Nothing has come for a while: what is unfinished will stay so. Packets hidden behind a false beginning are found.
+    /// Discards an incomplete packet after a silence, and decodes the packets that it hid.
     pub fn idle(&mut self, found: &mut Vec<Packet>) {
         self.search(found, true);
     }
 
-    /// Whether an unfinished packet is kept.
+    /// Whether an incomplete packet is buffered.
     #[must_use]
     pub fn is_waiting(&self) -> bool {
-        !self.kept.is_empty()
+        !self.buffer.is_empty()
     }
 
-    /// Bytes so far that belonged to no packet.
+    /// Number of bytes outside any packet.
     #[must_use]
     pub fn skipped(&self) -> u64 {
         self.skipped
     }
 
-    /// Takes whole packets off the front; gives up what is none, and unfinished ones too if `hopeless`.
-    fn search(&mut self, found: &mut Vec<Packet>, hopeless: bool) {
+    /// Takes complete packets from the front and skips other bytes; with `give_up` also incomplete
+    /// packets.
+    fn search(&mut self, found: &mut Vec<Packet>, give_up: bool) {
         let mut from = 0;
-        while let Some(kept) = self.kept.get(from..).filter(|kept| !kept.is_empty()) {
-            match self.look(kept) {
-                Begun::Whole(length) => {
+        while let Some(buffer) = self.buffer.get(from..).filter(|buffer| !buffer.is_empty()) {
+            match self.prefix(buffer) {
+                Prefix::Whole(length) => {
                     found.push(Packet {
-                        kind: kept.get(HEAD).copied().unwrap_or(0),
-                        payload: kept.get(HEAD + 1..length - 2).unwrap_or(&[]).to_vec(),
+                        kind: buffer.get(HEAD).copied().unwrap_or(0),
+                        payload: buffer.get(HEAD + 1..length - 2).unwrap_or(&[]).to_vec(),
                     });
                     from += length;
                 }
-                Begun::Part if !hopeless => break,
-                Begun::Part | Begun::Nothing => {
+                Prefix::Part if !give_up => break,
+                Prefix::Part | Prefix::Nothing => {
                     self.skipped += 1;
                     from += 1;
                 }
             }
         }
-        self.kept.drain(..from);
+        self.buffer.drain(..from);
     }
 
-    fn look(&self, kept: &[u8]) -> Begun {
-        let length = match *kept {
+    fn prefix(&self, buffer: &[u8]) -> Prefix {
+        let length = match *buffer {
             [BEGIN, low, high, ..] => usize::from(u16::from_le_bytes([low, high])),
-            [BEGIN] | [BEGIN, _] => return Begun::Part,
-            _ => return Begun::Nothing,
+            [BEGIN] | [BEGIN, _] => return Prefix::Part,
+            _ => return Prefix::Nothing,
         };
-        // Type and check byte at least.
+        // At least type and check byte.
         if length < 2 || length > self.most {
-            return Begun::Nothing;
+            return Prefix::Nothing;
         }
-        let Some(packet) = kept.get(..length + UNCOUNTED) else {
-            return Begun::Part;
+        let Some(packet) = buffer.get(..length + UNCOUNTED) else {
+            return Prefix::Part;
         };
         match packet {
-            [summed @ .., check, END] if sum(summed) == *check => Begun::Whole(packet.len()),
-            _ => Begun::Nothing,
+            [summed @ .., check, END] if sum(summed) == *check => Prefix::Whole(packet.len()),
+            _ => Prefix::Nothing,
         }
     }
 }
@@ -169,7 +170,7 @@ mod tests {
         found
     }
 
-    /// By the reference, worked by hand.
+    /// Derived by hand from the reference.
     #[test]
     fn packets_have_the_librarys_bytes() {
         let cases: [(Kind, &[u8], &[u8]); 4] = [
@@ -195,7 +196,7 @@ mod tests {
             stream.extend_from_slice(&bytes);
             let (mut decoder, mut found) = (Decoder::new(MAX_TO_ROBOT), Vec::new());
             decoder.push(&stream, &mut found);
-            // A longer LEN swallows the next packet until the line has been silent for a while.
+            // A longer LEN hides the next packet until the line is silent.
             decoder.idle(&mut found);
             assert_eq!(found, std::slice::from_ref(&good), "byte {place}");
             assert!(!decoder.is_waiting());
@@ -220,7 +221,7 @@ mod tests {
         let mut found = Vec::new();
         for round in 0..20_000_u32 {
             decoder.push(&[BEGIN, (round % 256) as u8, 0], &mut found);
-            assert!(decoder.kept.len() <= MAX_TO_ROBOT + UNCOUNTED);
+            assert!(decoder.buffer.len() <= MAX_TO_ROBOT + UNCOUNTED);
         }
     }
 
@@ -245,7 +246,7 @@ mod tests {
             decoder.idle(&mut found);
             decoder.push(&good.to_bytes(), &mut found);
             prop_assert_eq!(found.last(), Some(&good));
-            // And without a pause, once the line is silent.
+            // The same without a pause, once the line is silent.
             let mut stream = garbage;
             stream.extend(good.to_bytes());
             let (mut decoder, mut found) = (Decoder::new(MAX_TO_ROBOT), Vec::new());

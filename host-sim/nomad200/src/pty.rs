@@ -1,4 +1,4 @@
-//! A pseudo terminal: a serial port as far as any program can see, at any speed.
+//! A pseudo terminal, which looks like a serial port to any program, at any speed.
 
 use nix::pty::openpty;
 use nix::sys::termios::{SetArg, cfmakeraw, tcgetattr, tcsetattr};
@@ -11,26 +11,26 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::Duration;
 
-/// Pieces in the air in each direction. What nobody reads is lost, as on a serial line.
+/// Buffered pieces in each direction. More is lost, as on a serial line.
 const MAX_PIECES: usize = 64;
 
-/// Our end of a pseudo terminal.
+/// The controlling end of a pseudo terminal.
 #[derive(Debug)]
-pub struct Pty {
+pub struct PseudoTerminal {
     path: PathBuf,
-    /// Keeps the device there while nobody has it open.
+    /// Keeps the device present while no program has it open.
     _device: OwnedFd,
     from_host: Receiver<Vec<u8>>,
     to_host: SyncSender<Vec<u8>>,
-    /// Read and not yet handed on.
+    /// Bytes that were read and not returned yet.
     left: Vec<u8>,
 }
 
-impl Pty {
-    /// Opens a pair.
+impl PseudoTerminal {
+    /// Opens a pseudo terminal.
     ///
     /// # Errors
-    /// When there is none to be had.
+    /// When the system has none.
     pub fn open() -> io::Result<Self> {
         let pair = openpty(None, None)?;
         let mut raw = tcgetattr(&pair.slave)?;
@@ -39,10 +39,10 @@ impl Pty {
         let path = ttyname(&pair.slave)?;
         let reader = File::from(pair.master);
         let writer = reader.try_clone()?;
-        let (heard, from_host) = sync_channel(MAX_PIECES);
-        let (to_host, said) = sync_channel(MAX_PIECES);
-        std::thread::spawn(move || read(reader, &heard));
-        std::thread::spawn(move || write(writer, &said));
+        let (received, from_host) = sync_channel(MAX_PIECES);
+        let (to_host, to_send) = sync_channel(MAX_PIECES);
+        std::thread::spawn(move || read(reader, &received));
+        std::thread::spawn(move || write(writer, &to_send));
         Ok(Self {
             path,
             _device: pair.slave,
@@ -52,25 +52,25 @@ impl Pty {
         })
     }
 
-    /// The device a host opens.
+    /// Path of the device for the host.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 }
 
-fn read(mut device: File, heard: &SyncSender<Vec<u8>>) {
+fn read(mut device: File, received: &SyncSender<Vec<u8>>) {
     let mut buffer = [0; 1_024];
     while let Ok(count) = device.read(&mut buffer) {
         let piece = buffer.get(..count).unwrap_or(&[]).to_vec();
-        if count == 0 || heard.send(piece).is_err() {
+        if count == 0 || received.send(piece).is_err() {
             break;
         }
     }
 }
 
-fn write(mut device: File, said: &Receiver<Vec<u8>>) {
-    while let Ok(piece) = said.recv() {
+fn write(mut device: File, to_send: &Receiver<Vec<u8>>) {
+    while let Ok(piece) = to_send.recv() {
         if device.write_all(&piece).is_err() {
             break;
         }
@@ -81,18 +81,18 @@ fn gone() -> io::Error {
     io::Error::new(io::ErrorKind::BrokenPipe, "the pseudo terminal is gone")
 }
 
-impl Transport for Pty {
+impl Transport for PseudoTerminal {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         match self.to_host.try_send(bytes.to_vec()) {
             Err(std::sync::mpsc::TrySendError::Disconnected(_)) => Err(gone()),
-            // Nobody reads: lost.
+            // Lost if no program reads.
             _ => Ok(()),
         }
     }
 
-    fn receive(&mut self, buffer: &mut [u8], patience: Duration) -> io::Result<usize> {
+    fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
         if self.left.is_empty() {
-            self.left = match self.from_host.recv_timeout(patience) {
+            self.left = match self.from_host.recv_timeout(timeout) {
                 Ok(piece) => piece,
                 Err(RecvTimeoutError::Timeout) => return Ok(0),
                 Err(RecvTimeoutError::Disconnected) => return Err(gone()),

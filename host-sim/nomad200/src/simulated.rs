@@ -1,13 +1,13 @@
-//! A simulated Nomad 200, as its own software makes it appear: three motors, a ring of sonars that fire one after the
-//! other, infrared sensors, bumpers, odometry, and a host that may fall silent.
+//! A simulated Nomad 200: three motors, sonars, infrared sensors, bumpers, odometry, and a time-out
+//! of the host.
 //!
-//! It knows no clock and no line: [`Simulated::take`] takes a command, [`Simulated::advance`] lets time pass in steps of a
-//! millisecond, [`Simulated::answer`] returns what has to be said meanwhile. Body, sonars and world are the simulator's.
+//! [`SimulatedNomad::take`] executes a command, [`SimulatedNomad::advance`] advances the time,
+//! [`SimulatedNomad::answer`] returns delayed answers. It has no clock and no line of its own.
 
-use super::firing::Firing;
-use super::reckoning::Reckoning;
+use super::dead_reckoning::DeadReckoning;
+use super::firing::FiringSchedule;
 use super::units::{PER_UNIT, whole};
-use super::{Kind, Mask, Packet, PosData, State};
+use super::{Kind, NomadState, Packet, PosData, StateMask};
 use arena::noise::Noise;
 use arena::robot::{Axes, Axis, BaseLimits};
 use arena::sonar::{
@@ -19,67 +19,67 @@ mod operate;
 
 pub(super) use operate::nak;
 
-/// Time of silence after which motions end, until a host sets another with `conf_tm`: what the known drivers set, s.
+/// Time-out of motions until a host sets another one, s: that of the known drivers.
 const TIMEOUT_S: u8 = 5;
 
-/// Time between two readings of the infrared sensors, ms. The robot's own is not known.
+/// Period of the infrared sensors, ms. The robot's own is not known.
 const INFRARED_MS: u32 = 100;
 
-/// An infrared sensor that reads this sees nothing, in.
+/// Infrared reading without an object, in.
 const NOTHING_NEAR: u8 = 15;
 
 /// Raw voltages of a charged battery: 11.9 V and 12.7 V.
 const VOLTAGE: u8 = 250;
 
-/// What is to be said when motors stand, or it has been waited long enough.
+/// An answer that waits for the motors or for a time-out.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Awaited {
+struct PendingAnswer {
     kind: Kind,
     axes: [bool; 3],
-    /// `None`: as long as it takes.
+    /// `None` = no time-out.
     until_ms: Option<u32>,
 }
 
-/// How the robot fared, seen from outside.
+/// True motion of the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Ledger {
-    /// Way rolled, m.
+pub struct GroundTruth {
+    /// Distance rolled, m.
     pub traveled_m: f64,
-    /// How often the body touched something.
+    /// Number of contacts.
     pub contacts: u32,
 }
 
 /// A robot in a world.
 #[derive(Debug, Clone)]
-pub struct Simulated {
+pub struct SimulatedNomad {
     world: World,
     axes: Axes,
-    reckoning: Reckoning,
+    reckoning: DeadReckoning,
     ring: Ring,
-    firing: Firing,
+    firing: FiringSchedule,
     infrared: Ring,
-    /// Tenths of an infrared reading that come from the one before.
+    /// Tenths of an infrared reading that come from the previous one.
     history: u8,
-    /// Bit i: infrared sensor i is read.
+    /// Bit i: infrared sensor i is on.
     infrared_on: u16,
     compass_on: bool,
     noise: Noise,
-    mask: Mask,
+    mask: StateMask,
     timeout_s: u8,
-    /// When the host was heard last.
-    heard_ms: u32,
-    awaited: Option<Awaited>,
-    /// Steering and turret are on their way to zero.
+    /// Time of the latest command.
+    last_command_ms: u32,
+    pending: Option<PendingAnswer>,
+    /// Steering and turret move to zero.
     zeroing: bool,
-    ledger: Ledger,
-    /// Way rolled after which the wheels are blocked, m.
-    rolls_m: f64,
-    state: State,
+    ground_truth: GroundTruth,
+    /// Distance after which the wheels are blocked, m.
+    blocked_after_m: f64,
+    state: NomadState,
 }
 
-impl Simulated {
-    /// A robot that has just been switched on at the world's start, all angles 0, its sonars firing as the known drivers
-    /// have them. With the sonar model *ideal* its wheels do not slip.
+impl SimulatedNomad {
+    /// A robot that has just been switched on at the world's start. All angles are 0, and the
+    /// sonars fire in the known drivers' order. With ideal sonars the wheels do not slip.
     #[must_use]
     pub fn new(world: World, sonar: SonarModel, seed: u64) -> Self {
         let mut noise = Noise::new(seed);
@@ -100,35 +100,36 @@ impl Simulated {
         Self {
             axes: Axes::new(world.start(), &limits),
             world,
-            reckoning: Reckoning::default(),
+            reckoning: DeadReckoning::default(),
             ring,
-            firing: Firing::default(),
+            firing: FiringSchedule::default(),
             infrared: Ring::with_config(SonarModel::Ideal, geometry, near, &mut noise),
             history: 0,
             infrared_on: u16::MAX,
             compass_on: false,
             noise,
-            mask: Mask::ALL,
+            mask: StateMask::ALL,
             timeout_s: TIMEOUT_S,
-            heard_ms: 0,
-            awaited: None,
+            last_command_ms: 0,
+            pending: None,
             zeroing: false,
-            ledger: Ledger::default(),
-            rolls_m: f64::INFINITY,
-            state: State {
+            ground_truth: GroundTruth::default(),
+            blocked_after_m: f64::INFINITY,
+            state: NomadState {
                 infrared: [NOTHING_NEAR; 16],
                 sonar: [MAX_READING_IN; 16],
                 cpu_voltage: VOLTAGE,
                 motor_voltage: VOLTAGE,
-                ..State::default()
+                ..NomadState::default()
             },
         }
     }
 
-    /// The same robot, whose wheels are blocked when it has rolled so far, m: its motor then runs and it stays where it is.
+    /// The same robot, whose wheels are blocked after this distance, m: the motor runs, but the
+    /// robot does not move.
     #[must_use]
     pub fn with_wheels_blocked_after(mut self, way_m: f64) -> Self {
-        self.rolls_m = way_m;
+        self.blocked_after_m = way_m;
         self
     }
 
@@ -138,65 +139,65 @@ impl Simulated {
         self.state.time_ms
     }
 
-    /// True position, and bearing of the turret.
+    /// True position and heading of the turret.
     #[must_use]
     pub fn pose(&self) -> Pose {
         self.axes.pose()
     }
 
-    /// What state packets hold at present.
+    /// Content of state packets.
     #[must_use]
-    pub fn mask(&self) -> &Mask {
+    pub fn mask(&self) -> &StateMask {
         &self.mask
     }
 
-    /// How it has fared.
+    /// True motion since the start.
     #[must_use]
-    pub fn ledger(&self) -> Ledger {
-        self.ledger
+    pub fn ground_truth(&self) -> GroundTruth {
+        self.ground_truth
     }
 
-    /// Its readings at this moment.
+    /// The current readings.
     #[must_use]
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &NomadState {
         &self.state
     }
 
-    /// Lets `ms` milliseconds pass.
+    /// Advances the time by `ms` milliseconds.
     pub fn advance(&mut self, ms: u32) {
         for _ in 0..ms {
             self.tick();
         }
     }
 
-    /// An answer that had to wait, once it is due.
+    /// A delayed answer, once it is due.
     pub fn answer(&mut self) -> Option<Packet> {
-        let awaited = self.awaited?;
+        let pending = self.pending?;
         let expired = |until_ms: u32| self.time_ms().wrapping_sub(until_ms) < 1 << 31;
-        let waits = Axis::ALL.into_iter().zip(awaited.axes);
+        let waits = Axis::ALL.into_iter().zip(pending.axes);
         let stands = waits
             .filter(|(_, waits)| *waits)
             .all(|(axis, _)| !self.axes.is_active(axis));
-        if (stands && !self.zeroing) || awaited.until_ms.is_some_and(expired) {
-            self.awaited = None;
-            return Some(self.state_packet(awaited.kind));
+        if (stands && !self.zeroing) || pending.until_ms.is_some_and(expired) {
+            self.pending = None;
+            return Some(self.state_packet(pending.kind));
         }
         None
     }
 
-    /// Whoever asked is gone: nothing is answered any more.
-    pub fn forget_question(&mut self) {
-        self.awaited = None;
+    /// Cancels a delayed answer.
+    pub fn cancel_answer(&mut self) {
+        self.pending = None;
     }
 
     fn tick(&mut self) {
         self.fire();
         if self.time_ms().is_multiple_of(INFRARED_MS) {
-            self.look();
+            self.read_infrared();
         }
-        let silent_ms = self.time_ms().wrapping_sub(self.heard_ms);
+        let silent_ms = self.time_ms().wrapping_sub(self.last_command_ms);
         let patience_ms = u32::from(self.timeout_s) * 1_000;
-        // The robot zeroes itself without its host.
+        // Zeroing continues without the host.
         if self.timeout_s > 0 && silent_ms > patience_ms && !self.zeroing {
             self.hold();
         }
@@ -204,9 +205,9 @@ impl Simulated {
             let touching = self.axes.bumpers() != 0;
             let (done, counted) = self.axes.advance(1e-3, &self.world);
             self.reckoning.roll(counted);
-            self.ledger.traveled_m += done.traveled_m;
-            self.ledger.contacts += u32::from(done.touched && !touching);
-            if self.ledger.traveled_m >= self.rolls_m {
+            self.ground_truth.traveled_m += done.traveled_m;
+            self.ground_truth.contacts += u32::from(done.touched && !touching);
+            if self.ground_truth.traveled_m >= self.blocked_after_m {
                 self.axes.block_wheels();
             }
         }
@@ -221,28 +222,28 @@ impl Simulated {
         Axis::ALL.into_iter().for_each(|axis| self.axes.hold(axis));
     }
 
-    /// The transducer whose turn it is fires and is heard; an echo that would come after the next firing is not.
+    /// Fires the sonar that is due. An echo after the next firing is lost.
     fn fire(&mut self) {
         let Some(shot) = self.firing.due(self.time_ms()) else {
             return;
         };
         let time_s = f64::from(self.time_ms()) * 1e-3;
         let pose = self.axes.pose();
-        let heard = self
+        let range_m = self
             .ring
             .ping(&self.world, &pose, shot.sensor, time_s, &mut self.noise);
-        let heard = heard.filter(|range_m| *range_m <= shot.reach_m);
+        let range_m = range_m.filter(|reading_m| *reading_m <= shot.reach_m);
         let here = self.place();
         if let Some(reading) = self.state.sonar.get_mut(shot.sensor) {
-            *reading = reading_in(heard);
+            *reading = reading_in(range_m);
         }
         if let Some(place) = self.state.sonar_at.get_mut(shot.sensor) {
             *place = here;
         }
     }
 
-    /// Reads the infrared sensors, which share the sonars' places on the turret.
-    fn look(&mut self) {
+    /// Reads the infrared sensors, which sit at the sonars' places.
+    fn read_infrared(&mut self) {
         let mut ranges = [None; 16];
         let pose = self.axes.pose();
         self.infrared.scan(&self.world, &pose, &mut ranges);
@@ -260,7 +261,7 @@ impl Simulated {
         }
     }
 
-    /// Copies what the motors' board knows into the readings.
+    /// Copies the motors' state into the readings.
     fn read_motors(&mut self) {
         let axes = &self.axes;
         let [steering, turret] = [axes.at(Axis::Steering), axes.at(Axis::Turret)];
@@ -277,11 +278,12 @@ impl Simulated {
         self.state.motors = active.fold(0, |bits, bit| bits | bit);
         self.state.bumpers = axes.bumpers();
         let bearing = super::units::whole_angle(axes.pose().heading);
-        // Below 3600. Which way the robot's own compass counts is not known: as the turret does, from the world's x axis.
+        // Below 3600. The real compass's orientation is not known; this one follows the turret from
+        // the world's x axis.
         self.state.compass = if self.compass_on { bearing as u16 } else { 0 };
     }
 
-    /// Where the robot is and when, to be attached to a reading.
+    /// Pose and time to attach to a reading.
     fn place(&self) -> PosData {
         PosData {
             pose: self.state.pose,
@@ -296,7 +298,7 @@ impl Simulated {
         Packet::new(kind, self.state.to_payload(&self.mask))
     }
 
-    /// What has no time of its own is read when it is asked for.
+    /// Updates the readings without a period of their own.
     fn read_now(&mut self) {
         self.read_motors();
         let here = self.place();

@@ -1,41 +1,41 @@
-//! What the robot says of itself: the readings, and the packets that carry them.
+//! The robot's readings and the packets that carry them.
 //!
-//! Almost every command is answered with a *state packet* of its own type: the readings of the mask, in a fixed order, then
-//! always motor status, time and voltages. The `get_` commands are answered with one group of readings, whatever the mask
-//! says of them.
+//! Almost every command is answered with a *state packet* of its own type: the readings of the mask
+//! in a fixed order, then motor status, time and voltages. A `get_` command is answered with one
+//! group of readings, whatever the mask.
 
-use super::bytes::{Reader, WrongLength, put_i16, put_i32, put_u16, put_u32};
-use super::command::Group;
-use super::mask::{Mask, WITH_BUMPER, WITH_COMPASS, WITH_INFRARED, WITH_LASER, WITH_SONAR};
+use super::bytes::{LengthError, Reader, put_i16, put_i32, put_u16, put_u32};
+use super::command::ReadingGroup;
+use super::mask::{StateMask, WITH_BUMPER, WITH_COMPASS, WITH_INFRARED, WITH_LASER, WITH_SONAR};
 
-/// Most points of the laser.
+/// Maximum number of laser points.
 pub const MAX_LASER_POINTS: usize = 482;
 
-/// Where the robot was when something was sensed, and when that was.
+/// Pose and times of a reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PosData {
     /// x, y in 0.1 in; steering, turret in 0.1°.
     pub pose: [i32; 4],
-    /// Of translation in 0.1 in/s, of steering and turret in 0.1°/s.
+    /// Translation in 0.1 in/s; steering and turret in 0.1°/s.
     pub velocity: [i32; 3],
-    /// When the pose was computed, ms of the sensor board.
+    /// Time of the pose, ms of the sensor board.
     pub pose_ms: u32,
-    /// When the sensor was read, ms of the sensor board.
+    /// Time of the reading, ms of the sensor board.
     pub sensed_ms: u32,
 }
 
-/// The readings of the robot: the client library's `State` vector, and the position data beside it.
+/// The robot's readings: the client library's `State` vector, with position data.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct State {
-    /// 0 … 15 in; 15 = nothing near.
+pub struct NomadState {
+    /// 0 … 15 in; 15 = no object.
     pub infrared: [u8; 16],
-    /// Whole inches; 255 = nothing heard.
+    /// Whole inches; 255 = no echo.
     pub sonar: [u8; 16],
-    /// Bit i: the switch 18°·i to the left of the base's front; 24 bits travel.
+    /// Bit i: the switch 18°·i to the left of the base's front; 24 bits are sent.
     pub bumpers: u32,
     /// x, y in 0.1 in; steering, turret in 0.1°.
     pub pose: [i32; 4],
-    /// Of translation in 0.1 in/s, of steering and turret in 0.1°/s.
+    /// Translation in 0.1 in/s; steering and turret in 0.1°/s.
     pub velocity: [i32; 3],
     /// Set accelerations, 0.1 in/s² and 0.1°/s².
     pub acceleration: [u16; 3],
@@ -47,26 +47,26 @@ pub struct State {
     pub motors: u8,
     /// Time of the sensor board, ms.
     pub time_ms: u32,
-    /// Of the processors: (2 + 3·n/255) · 12.0/5 V.
+    /// Processor supply: (2 + 3·n/255) · 12.0/5 V.
     pub cpu_voltage: u8,
-    /// Of the motors: (2 + 3·n/255) · 12.85/5 V.
+    /// Motor supply: (2 + 3·n/255) · 12.85/5 V.
     pub motor_voltage: u8,
-    /// Where each infrared sensor read.
+    /// Position data of the infrared sensors.
     pub infrared_at: [PosData; 16],
-    /// Where each sonar was heard.
+    /// Position data of the sonars.
     pub sonar_at: [PosData; 16],
-    /// Where the bumpers were read.
+    /// Position data of the bumpers.
     pub bumpers_at: PosData,
-    /// Where the laser was read.
+    /// Position data of the laser.
     pub laser_at: PosData,
-    /// Where the compass was read.
+    /// Position data of the compass.
     pub compass_at: PosData,
 }
 
-impl State {
-    /// The payload of a state packet.
+impl NomadState {
+    /// Encodes a state packet.
     #[must_use]
-    pub fn to_payload(&self, mask: &Mask) -> Vec<u8> {
+    pub fn to_payload(&self, mask: &StateMask) -> Vec<u8> {
         let mut out = Vec::new();
         self.put_infrared(&mut out, mask.infrared, mask);
         self.put_sonar(&mut out, mask.sonar, mask);
@@ -96,11 +96,11 @@ impl State {
         out
     }
 
-    /// Takes over the readings of a state packet; those not in the mask stay as they were.
+    /// Decodes a state packet; readings outside the mask keep their values.
     ///
     /// # Errors
-    /// When the payload is not as long as the mask makes it.
-    pub fn take_payload(&mut self, mask: &Mask, payload: &[u8]) -> Result<(), WrongLength> {
+    /// When the length does not match the mask.
+    pub fn take_payload(&mut self, mask: &StateMask, payload: &[u8]) -> Result<(), LengthError> {
         let mut reader = Reader::new(payload);
         self.take_infrared(&mut reader, mask.infrared, mask)?;
         self.take_sonar(&mut reader, mask.sonar, mask)?;
@@ -126,35 +126,35 @@ impl State {
         reader.end()
     }
 
-    /// The payload of the answer to a `get_` command. That of `get_ra` is not known, for the library does not read it:
-    /// the three accelerations. `get_ls` is answered as the library reads it: two counts, of which only the second has
-    /// points behind it.
+    /// Encodes the answer to a `get_` command. That of `get_ra` is not known, because the library
+    /// does not read it; it holds three accelerations. `get_ls` has two counts, as the library
+    /// reads it; points follow the second.
     #[must_use]
-    pub fn to_group(&self, group: Group, mask: &Mask) -> Vec<u8> {
+    pub fn to_group(&self, group: ReadingGroup, mask: &StateMask) -> Vec<u8> {
         let mut out = Vec::new();
         match group {
-            Group::Infrared => self.put_infrared(&mut out, u16::MAX, mask),
-            Group::Sonar => self.put_sonar(&mut out, u16::MAX, mask),
-            Group::Bumper => self.put_bumper(&mut out, mask),
-            Group::Compass => self.put_compass(&mut out, mask),
-            Group::Laser => {
+            ReadingGroup::Infrared => self.put_infrared(&mut out, u16::MAX, mask),
+            ReadingGroup::Sonar => self.put_sonar(&mut out, u16::MAX, mask),
+            ReadingGroup::Bumper => self.put_bumper(&mut out, mask),
+            ReadingGroup::Compass => self.put_compass(&mut out, mask),
+            ReadingGroup::Laser => {
                 put_u16(&mut out, 0);
                 self.put_laser(&mut out, mask);
             }
-            // No lines: they are not simulated.
-            Group::Segments => {
+            // Laser lines are not simulated.
+            ReadingGroup::Segments => {
                 put_u16(&mut out, 0);
                 put_attached(&mut out, mask.has(WITH_LASER), &[self.laser_at]);
             }
-            Group::Pose => self
+            ReadingGroup::Pose => self
                 .pose
                 .iter()
                 .for_each(|&number| put_i16(&mut out, number)),
-            Group::Velocity => self
+            ReadingGroup::Velocity => self
                 .velocity
                 .iter()
                 .for_each(|&number| put_i16(&mut out, number)),
-            Group::Acceleration => {
+            ReadingGroup::Acceleration => {
                 self.acceleration
                     .iter()
                     .for_each(|&number| put_u16(&mut out, number));
@@ -166,33 +166,33 @@ impl State {
         out
     }
 
-    /// Takes over a group of readings.
+    /// Decodes a group of readings.
     ///
     /// # Errors
-    /// When the payload is not as long as the group is; for laser lines when there are any.
+    /// When the length does not match the group, or there are laser lines.
     pub fn take_group(
         &mut self,
-        group: Group,
-        mask: &Mask,
+        group: ReadingGroup,
+        mask: &StateMask,
         payload: &[u8],
-    ) -> Result<(), WrongLength> {
+    ) -> Result<(), LengthError> {
         let mut reader = Reader::new(payload);
         match group {
-            Group::Infrared => self.take_infrared(&mut reader, u16::MAX, mask)?,
-            Group::Sonar => self.take_sonar(&mut reader, u16::MAX, mask)?,
-            Group::Bumper => self.take_bumper(&mut reader, mask)?,
-            Group::Compass => self.take_compass(&mut reader, mask)?,
-            Group::Laser => {
+            ReadingGroup::Infrared => self.take_infrared(&mut reader, u16::MAX, mask)?,
+            ReadingGroup::Sonar => self.take_sonar(&mut reader, u16::MAX, mask)?,
+            ReadingGroup::Bumper => self.take_bumper(&mut reader, mask)?,
+            ReadingGroup::Compass => self.take_compass(&mut reader, mask)?,
+            ReadingGroup::Laser => {
                 reader.u16()?;
                 self.take_laser(&mut reader, mask)?;
             }
-            Group::Segments => {
+            ReadingGroup::Segments => {
                 reader.u16()?;
                 take_attached(&mut reader, mask.has(WITH_LASER), [&mut self.laser_at])?;
             }
-            Group::Pose => self.pose = reader.i16s()?.map(i32::from),
-            Group::Velocity => self.velocity = reader.i16s()?.map(i32::from),
-            Group::Acceleration => self.acceleration = reader.u16s()?,
+            ReadingGroup::Pose => self.pose = reader.i16s()?.map(i32::from),
+            ReadingGroup::Velocity => self.velocity = reader.i16s()?.map(i32::from),
+            ReadingGroup::Acceleration => self.acceleration = reader.u16s()?,
         }
         if has_time(group) {
             self.time_ms = reader.u32()?;
@@ -200,8 +200,8 @@ impl State {
         reader.end()
     }
 
-    /// Two sensors to a byte, the first in the low half.
-    fn put_infrared(&self, out: &mut Vec<u8>, sensors: u16, mask: &Mask) {
+    /// Two sensors per byte, the first in the low half.
+    fn put_infrared(&self, out: &mut Vec<u8>, sensors: u16, mask: &StateMask) {
         let chosen: Vec<_> = chosen(&self.infrared, sensors).collect();
         for pair in chosen.chunks(2) {
             let half = |place: usize| pair.get(place).map_or(0, |reading| **reading & 0xf);
@@ -218,8 +218,8 @@ impl State {
         &mut self,
         reader: &mut Reader<'_>,
         sensors: u16,
-        mask: &Mask,
-    ) -> Result<(), WrongLength> {
+        mask: &StateMask,
+    ) -> Result<(), LengthError> {
         let mut pair = 0;
         for (place, reading) in chosen_mut(&mut self.infrared, sensors).enumerate() {
             pair = if place % 2 == 0 {
@@ -233,7 +233,7 @@ impl State {
         take_attached(reader, mask.has(WITH_INFRARED), places)
     }
 
-    fn put_sonar(&self, out: &mut Vec<u8>, sensors: u16, mask: &Mask) {
+    fn put_sonar(&self, out: &mut Vec<u8>, sensors: u16, mask: &StateMask) {
         out.extend(chosen(&self.sonar, sensors));
         put_attached(
             out,
@@ -246,8 +246,8 @@ impl State {
         &mut self,
         reader: &mut Reader<'_>,
         sensors: u16,
-        mask: &Mask,
-    ) -> Result<(), WrongLength> {
+        mask: &StateMask,
+    ) -> Result<(), LengthError> {
         for reading in chosen_mut(&mut self.sonar, sensors) {
             *reading = reader.u8()?;
         }
@@ -255,30 +255,38 @@ impl State {
         take_attached(reader, mask.has(WITH_SONAR), places)
     }
 
-    /// The topmost byte first.
-    fn put_bumper(&self, out: &mut Vec<u8>, mask: &Mask) {
+    /// Most significant byte first.
+    fn put_bumper(&self, out: &mut Vec<u8>, mask: &StateMask) {
         let [_, high, middle, low] = self.bumpers.to_be_bytes();
         out.extend([high, middle, low]);
         put_attached(out, mask.has(WITH_BUMPER), &[self.bumpers_at]);
     }
 
-    fn take_bumper(&mut self, reader: &mut Reader<'_>, mask: &Mask) -> Result<(), WrongLength> {
+    fn take_bumper(
+        &mut self,
+        reader: &mut Reader<'_>,
+        mask: &StateMask,
+    ) -> Result<(), LengthError> {
         let [high, middle, low] = reader.bytes()?;
         self.bumpers = u32::from_be_bytes([0, high, middle, low]);
         take_attached(reader, mask.has(WITH_BUMPER), [&mut self.bumpers_at])
     }
 
-    fn put_compass(&self, out: &mut Vec<u8>, mask: &Mask) {
+    fn put_compass(&self, out: &mut Vec<u8>, mask: &StateMask) {
         put_u16(out, self.compass);
         put_attached(out, mask.has(WITH_COMPASS), &[self.compass_at]);
     }
 
-    fn take_compass(&mut self, reader: &mut Reader<'_>, mask: &Mask) -> Result<(), WrongLength> {
+    fn take_compass(
+        &mut self,
+        reader: &mut Reader<'_>,
+        mask: &StateMask,
+    ) -> Result<(), LengthError> {
         self.compass = reader.u16()?;
         take_attached(reader, mask.has(WITH_COMPASS), [&mut self.compass_at])
     }
 
-    fn put_laser(&self, out: &mut Vec<u8>, mask: &Mask) {
+    fn put_laser(&self, out: &mut Vec<u8>, mask: &StateMask) {
         let points = self.laser.get(..MAX_LASER_POINTS).unwrap_or(&self.laser);
         // At most 482.
         put_u16(out, points.len() as u16);
@@ -286,7 +294,7 @@ impl State {
         put_attached(out, mask.has(WITH_LASER), &[self.laser_at]);
     }
 
-    fn take_laser(&mut self, reader: &mut Reader<'_>, mask: &Mask) -> Result<(), WrongLength> {
+    fn take_laser(&mut self, reader: &mut Reader<'_>, mask: &StateMask) -> Result<(), LengthError> {
         let count = usize::from(reader.u16()?);
         self.laser.clear();
         for _ in 0..count {
@@ -296,9 +304,12 @@ impl State {
     }
 }
 
-/// Whether the answer ends with the sensor board's time.
-fn has_time(group: Group) -> bool {
-    !matches!(group, Group::Pose | Group::Velocity | Group::Acceleration)
+/// Whether the answer ends with the time of the sensor board.
+fn has_time(group: ReadingGroup) -> bool {
+    !matches!(
+        group,
+        ReadingGroup::Pose | ReadingGroup::Velocity | ReadingGroup::Acceleration
+    )
 }
 
 fn chosen<T>(of: &[T; 16], sensors: u16) -> impl Iterator<Item = &T> {
@@ -332,7 +343,7 @@ fn take_attached<'a>(
     reader: &mut Reader<'_>,
     on: bool,
     places: impl IntoIterator<Item = &'a mut PosData>,
-) -> Result<(), WrongLength> {
+) -> Result<(), LengthError> {
     for place in places.into_iter().filter(|_| on) {
         for number in place.pose.iter_mut().chain(&mut place.velocity) {
             *number = reader.i32()?;

@@ -3,7 +3,7 @@
 use core::f64::consts::TAU;
 
 use arena::world::{Point, Pose, Shape, World};
-use sim::recording::{MapRecord, PlanRecord, Recording, Step};
+use sim::recording::{MapRecord, PlanTrace, Recording, Step};
 
 const NEAR_M: f64 = 0.4;
 const FAR_M: f64 = 1.4;
@@ -163,7 +163,7 @@ impl FixtureRobot {
     }
 
     /// One decision to move 0.25 m along `direction`, shortened before an obstacle.
-    fn step(&mut self, direction: f64, plan: Option<PlanRecord>) -> Step {
+    fn step(&mut self, direction: f64, plan: Option<PlanTrace>) -> Step {
         let ranges_m: Vec<Option<f64>> = ring(16)
             .into_iter()
             .map(|bearing| self.range(bearing))
@@ -218,7 +218,7 @@ fn seek(robot: &mut FixtureRobot, map: &MapRecord) -> Vec<Step> {
             let side = libm::sin(direction - TAU * at as f64 / 16.0);
             direction += if side < 0.0 { -1.0 } else { 1.0 } * (1.1 + 0.5 * robot.chance());
         }
-        let plan = PlanRecord {
+        let plan = PlanTrace {
             goal_neuron: 3,
             current_neuron: winner(map, &here.situation),
             intermediate_neuron: 7,

@@ -1,6 +1,6 @@
 //! Draws the situation map: the code vector of each neuron (Fig. 2 of the paper).
 
-use sim::recording::{MapRecord, PlanRecord};
+use sim::recording::{MapRecord, PlanTrace};
 
 use crate::draw::color::{self, BLUE, ORANGE};
 use crate::draw::layout::{Legend, TOP, Tiles, axis_end, heading, normalized, u_matrix_legend};
@@ -16,8 +16,8 @@ pub struct MapMarks {
     pub current: Option<usize>,
 }
 
-impl From<&PlanRecord> for MapMarks {
-    fn from(plan: &PlanRecord) -> Self {
+impl From<&PlanTrace> for MapMarks {
+    fn from(plan: &PlanTrace) -> Self {
         Self {
             goal: Some(plan.goal_neuron),
             current: Some(plan.current_neuron),

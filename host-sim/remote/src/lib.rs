@@ -1,4 +1,5 @@
-//! Controllers elsewhere: the [link] to one on a chip or behind a socket, and the [log] of what one did.
+//! Controllers outside this process, over a [link], and [log]s of what a controller received and
+//! answered.
 
 pub mod link;
 pub mod listen;

@@ -1,13 +1,13 @@
-//! Addresses to listen at.
+//! Guards the addresses at which a server listens.
 
 use files::error::BadInput;
 use std::net::SocketAddr;
 
-/// Refuses addresses that other machines can reach, unless `allowed`. `named` is what the user gave to `--listen`, `risk`
-/// what others could do there.
+/// Refuses addresses that other machines can reach, unless `allowed`. `named` is the value of
+/// `--listen`, `risk` what others could do there.
 ///
 /// # Errors
-/// A sentence that names the address and the flag.
+/// A message that names the address and the flag.
 pub fn check_reach(
     named: &str,
     addresses: &[SocketAddr],

@@ -1,24 +1,24 @@
-//! A hand-written avoider in the manner of V. Braitenberg, *Vehicles*, MIT Press 1984: each sonar
-//! pushes the course away from what it hears, the stronger the nearer; speed is constant.
+//! A hand-written avoider after V. Braitenberg, *Vehicles*, MIT Press 1984. Each sonar pushes the
+//! course away from its echo, the stronger the nearer; the speed is constant.
 //!
-//! The yardstick for distance and coverage: it learns nothing and is tuned by hand.
+//! It is the reference for distance and coverage: it learns nothing and is tuned by hand.
 
-use crate::ring_pilot::{Perceived, Policy, STEP_M, axis};
+use crate::ring_pilot::{Perception, Policy, STEP_M, axis};
 use arena::world::Point;
 use std::f64::consts::PI;
 
-/// The yardstick's constants.
+/// Constants of the rule.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tuning {
+pub struct BraitenbergTuning {
     /// Step per decision, meters.
     pub step_m: f64,
-    /// What is farther than this is not heard, meters.
+    /// Farther echoes are ignored, meters.
     pub far_m: f64,
-    /// Weight of the push against the course.
+    /// Weight of the pushes against the course.
     pub push: f64,
 }
 
-impl Default for Tuning {
+impl Default for BraitenbergTuning {
     fn default() -> Self {
         Self {
             step_m: STEP_M,
@@ -31,7 +31,7 @@ impl Default for Tuning {
 /// A Braitenberg vehicle with a ring of 16 sonars.
 #[derive(Debug, Clone)]
 pub struct Braitenberg {
-    tuning: Tuning,
+    tuning: BraitenbergTuning,
     /// Unit vector of the course in the ring's frame.
     course: Point,
 }
@@ -39,22 +39,22 @@ pub struct Braitenberg {
 impl Braitenberg {
     /// A vehicle that starts along the ring's x axis.
     #[must_use]
-    pub fn new(tuning: Tuning) -> Self {
+    pub fn new(tuning: BraitenbergTuning) -> Self {
         Self::towards(tuning, 0.0)
     }
 
     /// A vehicle that starts at `angle_rad` from the ring's x axis.
     #[must_use]
-    pub fn towards(tuning: Tuning, angle_rad: f64) -> Self {
+    pub fn towards(tuning: BraitenbergTuning, angle_rad: f64) -> Self {
         Self {
             tuning,
             course: Point::unit(angle_rad),
         }
     }
 
-    /// Course and pushes added up. Only what lies ahead (within a quarter turn of the course) pushes,
-    /// so a wall along the side does not drive the robot away from its course.
-    fn next_course(&self, perceived: &Perceived) -> Point {
+    /// Adds the pushes to the course. Only echoes within about a quarter turn of the course push,
+    /// so a wall beside the robot does not turn it away.
+    fn next_course(&self, perceived: &Perception) -> Point {
         let mut sum = self.course;
         for (sensor, range) in perceived.ranges.iter().enumerate() {
             let Some(range) = range else { continue };
@@ -76,8 +76,8 @@ impl Braitenberg {
 }
 
 impl Policy for Braitenberg {
-    fn decide(&mut self, perceived: &Perceived) -> Point {
-        // The ring has turned: the course stays where it is in the world.
+    fn decide(&mut self, perceived: &Perception) -> Point {
+        // The ring has turned; the course keeps its direction in the world.
         let turned = f64::from(perceived.turned.as_signed_turns()) * PI / 32_768.0;
         self.course = self.course.turned_back(Point::unit(turned));
         self.course = self.next_course(perceived);
@@ -95,7 +95,7 @@ mod tests {
     fn a_wall_half_heard_ahead_pushes_back_by_hand() {
         let mut ranges = [None; 16];
         ranges[2] = Some(Range::from_mm(450));
-        let perceived = Perceived {
+        let perceived = Perception {
             ranges,
             pose: Pose::default(),
             turned: Bearing::ZERO,
@@ -104,7 +104,7 @@ mod tests {
         // Nearness 1/2 at 45° to the left: a push of 2 · 1/4 · (0.2 + cos 45°) away from it.
         let push = 0.5 * (0.2 + 0.5_f64.sqrt()) * 0.5_f64.sqrt();
         let expected = Point::new(1.0 - push, -push);
-        let step = Braitenberg::new(Tuning::default()).decide(&perceived);
+        let step = Braitenberg::new(BraitenbergTuning::default()).decide(&perceived);
         assert!(step.distance(expected * (STEP_M / expected.length())) < 1e-12);
     }
 }

@@ -7,16 +7,16 @@ use arena::world::Point;
 /// Side of a cell, meters.
 pub const CELL_M: f64 = 0.25;
 
-/// Most cells along one side: a world larger than 2 km is covered with its first 2 km only.
+/// Cells along one side. A world larger than 2 km is covered in its first 2 km only.
 const MAX_CELLS: usize = 8_192;
 
-/// How far beyond the body is looked for cells that are not covered, m.
-const AHEAD_M: f64 = 0.12;
+/// Search range for uncovered cells beyond the body, m.
+const LOOK_AHEAD_M: f64 = 0.12;
 
-/// Far above any rounding, far below anything that matters, m.
+/// Covers rounding errors and is far below anything visible, m.
 const SLACK_M: f64 = 1e-6;
 
-/// Cells whose middle the body has passed over.
+/// Cells whose center the body has passed over.
 #[derive(Debug, Clone)]
 pub struct Coverage {
     origin: Point,
@@ -24,12 +24,13 @@ pub struct Coverage {
     rows: usize,
     words: Vec<u64>,
     radius_m: f64,
-    /// Around this place the body may move so far, m, and its middle reaches no cell that is not covered.
+    /// Center and radius, m, of a disc in which the body reaches no uncovered cell. A negative
+    /// radius means that nothing is known.
     clear: (Point, f64),
 }
 
 impl Coverage {
-    /// Nothing covered yet, for a body of `radius_m` within `bounds` (least and greatest corner).
+    /// Nothing is covered yet. `bounds` are the least and the greatest corner.
     #[must_use]
     pub fn new(bounds: (Point, Point), radius_m: f64) -> Self {
         let cells = |least: f64, greatest: f64| {
@@ -49,19 +50,19 @@ impl Coverage {
         }
     }
 
-    /// The body has moved straight from `from` to `to`.
+    /// Covers the cells along a straight path.
     #[inline]
     pub fn sweep(&mut self, from: Point, to: Point) {
-        if !(self.is_clear(from) && self.is_clear(to)) {
+        if !(self.is_surely_covered(from) && self.is_surely_covered(to)) {
             self.cover(from, to);
-            self.clear = (to, self.way_to_uncovered(to));
+            self.clear = (to, self.distance_to_uncovered(to));
         }
     }
 
     #[inline]
-    fn is_clear(&self, place: Point) -> bool {
-        let (middle, room) = self.clear;
-        let apart = place - middle;
+    fn is_surely_covered(&self, place: Point) -> bool {
+        let (center, room) = self.clear;
+        let apart = place - center;
         room >= 0.0 && apart.dot(apart) <= room * room
     }
 
@@ -72,7 +73,7 @@ impl Coverage {
         let scale = if squared > 0.0 { 1.0 / squared } else { 0.0 };
         for row in rows {
             for column in self.uncovered(row, &columns) {
-                let offset = self.middle(column, row) - from;
+                let offset = self.center(column, row) - from;
                 let along = (offset.dot(way) * scale).clamp(0.0, 1.0);
                 let gap = offset - way * along;
                 if gap.dot(gap) <= self.radius_m * self.radius_m {
@@ -82,21 +83,21 @@ impl Coverage {
         }
     }
 
-    /// How far the body may surely move before it comes to the middle of a cell that is not covered, m.
-    fn way_to_uncovered(&self, place: Point) -> f64 {
-        let far = self.radius_m + AHEAD_M;
+    /// Lower bound of the distance from `place` to where the body reaches an uncovered cell, m.
+    fn distance_to_uncovered(&self, place: Point) -> f64 {
+        let far = self.radius_m + LOOK_AHEAD_M;
         let (columns, rows) = self.around(place, place, far);
         let mut nearest = far * far;
         for row in rows {
             for column in self.uncovered(row, &columns) {
-                let offset = self.middle(column, row) - place;
+                let offset = self.center(column, row) - place;
                 nearest = nearest.min(offset.dot(offset));
             }
         }
         nearest.sqrt() - self.radius_m - SLACK_M
     }
 
-    /// Columns and rows of the cells that come within `reach` m of a way.
+    /// Columns and rows of the cells within `reach` m of a path.
     fn around(
         &self,
         from: Point,
@@ -116,14 +117,15 @@ impl Coverage {
         )
     }
 
-    fn middle(&self, column: usize, row: usize) -> Point {
+    fn center(&self, column: usize, row: usize) -> Point {
         Point::new(
             self.origin.x + (column as f64 + 0.5) * CELL_M,
             self.origin.y + (row as f64 + 0.5) * CELL_M,
         )
     }
 
-    /// Which of these cells of a row are not covered yet; of a long run also others.
+    /// Columns of a row whose cells are not covered. Beyond 64 columns it also returns covered
+    /// ones.
     fn uncovered(
         &self,
         row: usize,
@@ -134,7 +136,7 @@ impl Coverage {
         let count = columns.end() - begin + 1;
         let word = |index: usize| self.words.get(index).copied().unwrap_or(0);
         let (index, shift) = (first / 64, first % 64);
-        // Shifted twice, for a shift by all 64 bits is none.
+        // Two shifts, because a shift by 64 bits is not allowed.
         let covered = word(index) >> shift | word(index + 1) << 1 << (63 - shift);
         let most = count.min(64);
         let mut left = !covered & (u64::MAX >> (64 - most));
@@ -169,8 +171,8 @@ mod tests {
     fn a_straight_run_covers_its_strip() {
         let mut coverage = Coverage::new((Point::new(0.0, 0.0), Point::new(10.0, 10.0)), 0.269);
         coverage.sweep(Point::new(1.0, 5.0), Point::new(9.0, 5.0));
-        // Two rows of cell middles lie within 0.269 m of y = 5; the strip is 8 m long, and its round
-        // ends add a middle at each end.
+        // Two rows of cell centers lie within 0.269 m of y = 5. The strip is 8 m long, and its
+        // round ends add one center at each end.
         assert_eq!(coverage.area_m2(), 2.0 * (32.0 + 2.0) * 0.0625);
         let once = coverage.area_m2();
         coverage.sweep(Point::new(9.0, 5.0), Point::new(1.0, 5.0));
@@ -189,7 +191,7 @@ mod tests {
         assert!(once > 0.0 && stand(1.0) == once && stand(3.0) == 2.0 * once);
     }
 
-    /// To and fro in bounds that are soon covered, and beyond them.
+    /// Moves at random in bounds that are soon covered, and a little beyond them.
     #[test]
     fn where_all_is_covered_nothing_is_missed() {
         let bounds = (Point::new(-0.9, 3.3), Point::new(0.9, 4.9));
@@ -201,7 +203,8 @@ mod tests {
             let mut step = || noise.uniform_in(-0.05, 0.05);
             let x = (place.x + step()).clamp(-1.0, 1.0);
             let next = Point::new(x, (place.y + step()).clamp(3.2, 5.0));
-            known += u32::from(coverage.is_clear(place) && coverage.is_clear(next));
+            known +=
+                u32::from(coverage.is_surely_covered(place) && coverage.is_surely_covered(next));
             coverage.sweep(place, next);
             plain.cover(place, next);
             assert_eq!(coverage.words, plain.words, "{place:?} {next:?}");

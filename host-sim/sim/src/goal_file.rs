@@ -1,14 +1,14 @@
-//! A goal situation as a file: `run --behavior seek:FILE` and `link goal FILE` read it, `capture` writes one.
+//! Goal situations as files, for `run --behavior seek:FILE`, `link goal FILE` and `capture`.
 //!
-//! Either what was perceived somewhere:
+//! A file holds either a perceived situation:
 //!
 //! ```toml
-//! # By sonar (0 ahead, counter-clockwise): 1 = as near as the near limit, 0 = nothing within the far limit.
+//! # By sonar (0 ahead, counter-clockwise): 1 = near limit, 0 = nothing within the far limit.
 //! situation = [0.5, 0.4, 0.2, 0.0, 0.0, 0.1, 0.3, 0.2, 0.1, 0.0, 0.0, 0.0, 0.2, 0.4, 0.5, 0.5]
-//! place_m = [1.5, -0.5]   # where; may be left out. The robot never learns it: it is to judge by
+//! place_m = [1.5, -0.5]   # optional; only measures success, the controller never uses it
 //! ```
 //!
-//! or what each sonar is asked to perceive; those not named may perceive whatever they like:
+//! or bounds for some sonars; the others may perceive anything:
 //!
 //! ```toml
 //! [[sonar]]
@@ -18,7 +18,7 @@
 //! [[sonar]]
 //! numbers = [15, 0, 1]
 //! at_most = 0.1
-//! weight = 2              # how much a deviation counts: 1 unless said otherwise
+//! weight = 2              # weight of a deviation; 1 by default
 //! ```
 
 use amp::fixed::Weight;
@@ -33,7 +33,7 @@ use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
 
-/// Larger files are refused, bytes.
+/// Maximum file size, bytes.
 const MAX_FILE_BYTES: u64 = 1 << 20;
 
 /// A goal situation from a file.
@@ -41,31 +41,31 @@ const MAX_FILE_BYTES: u64 = 1 << 20;
 pub struct GoalFile {
     /// The file's name.
     pub path: String,
-    /// What is asked of each sonar.
+    /// Bounds for each sonar.
     pub components: [Component; 16],
-    /// Where the situation was captured, millimeters, if the file says so.
+    /// Where the situation was captured, millimeters, if known.
     pub place_mm: Option<[i32; 2]>,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Written {
+struct GoalToml {
     situation: Option<Spanned<Vec<Spanned<f64>>>>,
     place_m: Option<Spanned<TwoNumbers>>,
-    sonar: Option<Vec<Keyed<Wish>>>,
+    sonar: Option<Vec<Keyed<SonarBounds>>>,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Wish {
+struct SonarBounds {
     numbers: Spanned<Vec<u8>>,
     at_least: Option<f64>,
     at_most: Option<f64>,
     weight: Option<u8>,
 }
 
-/// What is wrong, and where in the text, if at one place.
-type Wrong = (Option<Range<usize>>, String);
+/// Position in the text, if it is at one place, and a description.
+type ParseError = (Option<Range<usize>>, String);
 
 impl GoalFile {
     /// A situation perceived at a place.
@@ -82,16 +82,16 @@ impl GoalFile {
     /// Reads a goal file.
     ///
     /// # Errors
-    /// A sentence that names the file, the line and what is wrong there.
+    /// When the file is bad: the message names the file and the line.
     pub fn load(path: &Path) -> Result<Self, BadInput> {
         let text = read_text(path, MAX_FILE_BYTES)?;
         Self::read(&text, &path.display().to_string())
     }
 
-    /// Reads the text of a goal file; `name` names it in errors.
+    /// Reads the text of a goal file; `name` is the file's name in errors.
     ///
     /// # Errors
-    /// Like [`GoalFile::load`].
+    /// As [`GoalFile::load`].
     pub fn read(text: &str, name: &str) -> Result<Self, BadInput> {
         let text = TomlText { text, source: name };
         let (components, place_mm) = parse(text.read()?).map_err(|(at, what)| match at {
@@ -105,7 +105,7 @@ impl GoalFile {
         })
     }
 
-    /// The goal: a place to come to.
+    /// The goal: to be at the place.
     #[must_use]
     pub fn goal(&self) -> Goal<16> {
         Goal::place(self.components)
@@ -119,7 +119,7 @@ impl GoalFile {
     }
 }
 
-/// A goal file's text for what was perceived at a place; `remark` becomes a comment.
+/// Text of a goal file for a captured situation; `remark` becomes a comment.
 #[must_use]
 pub fn text(situation: &Situation<16>, place: Point, remark: &str) -> String {
     let values: Vec<_> = situation
@@ -137,7 +137,7 @@ pub fn text(situation: &Situation<16>, place: Point, remark: &str) -> String {
 
 type Parsed = ([Component; 16], Option<[i32; 2]>);
 
-fn parse(file: Written) -> Result<Parsed, Wrong> {
+fn parse(file: GoalToml) -> Result<Parsed, ParseError> {
     let place = file.place_m.as_ref().map(place).transpose()?;
     match (&file.situation, &file.sonar) {
         (Some(values), None) => Ok((situation(values)?, place)),
@@ -145,7 +145,7 @@ fn parse(file: Written) -> Result<Parsed, Wrong> {
             let what = "place_m goes with a situation, not with [[sonar]]";
             Err((None, what.to_owned()))
         }
-        (None, Some(wishes)) => Ok((wished(wishes)?, None)),
+        (None, Some(sonars)) => Ok((bounds(sonars)?, None)),
         _ => {
             let what = "a goal file holds either a situation of 16 values or some [[sonar]]";
             Err((None, what.to_owned()))
@@ -153,7 +153,7 @@ fn parse(file: Written) -> Result<Parsed, Wrong> {
     }
 }
 
-fn situation(values: &Spanned<Vec<Spanned<f64>>>) -> Result<[Component; 16], Wrong> {
+fn situation(values: &Spanned<Vec<Spanned<f64>>>) -> Result<[Component; 16], ParseError> {
     let mut components = [Component::ANY; 16];
     let count = values.get_ref().len();
     if count != components.len() {
@@ -171,7 +171,7 @@ fn situation(values: &Spanned<Vec<Spanned<f64>>>) -> Result<[Component; 16], Wro
     Ok(components)
 }
 
-fn place(meters: &Spanned<TwoNumbers>) -> Result<[i32; 2], Wrong> {
+fn place(meters: &Spanned<TwoNumbers>) -> Result<[i32; 2], ParseError> {
     let TwoNumbers(place) = meters.get_ref();
     let within = |m: &f64| m.abs() <= MAX_COORDINATE_M;
     match place.iter().find(|m| !within(m)) {
@@ -183,12 +183,12 @@ fn place(meters: &Spanned<TwoNumbers>) -> Result<[i32; 2], Wrong> {
     }
 }
 
-fn wished(wishes: &[Keyed<Wish>]) -> Result<[Component; 16], Wrong> {
+fn bounds(sonars: &[Keyed<SonarBounds>]) -> Result<[Component; 16], ParseError> {
     let mut components = [Component::ANY; 16];
-    for Keyed(wish) in wishes {
-        let at = || Some(wish.numbers.span());
-        let component = component(wish).map_err(|what| (at(), what))?;
-        for &number in wish.numbers.get_ref() {
+    for Keyed(sonar) in sonars {
+        let at = || Some(sonar.numbers.span());
+        let component = component(sonar).map_err(|what| (at(), what))?;
+        for &number in sonar.numbers.get_ref() {
             let place = components.get_mut(usize::from(number));
             *place.ok_or_else(|| {
                 (
@@ -205,8 +205,8 @@ fn wished(wishes: &[Keyed<Wish>]) -> Result<[Component; 16], Wrong> {
     Ok(components)
 }
 
-fn component(wish: &Wish) -> Result<Component, String> {
-    let (low, high) = (wish.at_least.unwrap_or(0.0), wish.at_most.unwrap_or(1.0));
+fn component(sonar: &SonarBounds) -> Result<Component, String> {
+    let (low, high) = (sonar.at_least.unwrap_or(0.0), sonar.at_most.unwrap_or(1.0));
     if !(0.0 <= low && low <= high && high <= 1.0) {
         return Err(format!(
             "at_least {low} and at_most {high} must be in order and lie between 0 and 1"
@@ -215,7 +215,7 @@ fn component(wish: &Wish) -> Result<Component, String> {
     Ok(Component {
         low: Weight::from_num(low),
         high: Weight::from_num(high),
-        weight: wish.weight.unwrap_or(1),
+        weight: sonar.weight.unwrap_or(1),
     })
 }
 

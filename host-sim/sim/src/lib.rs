@@ -1,16 +1,17 @@
 //! Episodes: a robot explores, learns and pursues a goal in a world.
 //!
-//! The body turns what happens in the [arena] into events of a [`Pilot`](pilot::Pilot) and carries out its motions. Options,
-//! figures and recordings of an episode are here; how they are drawn or compared is not.
+//! The body turns the [arena] into events of a [`Pilot`](pilot::Pilot) and carries out its motions.
+//! This crate holds the options, metrics and recordings of an episode; it never draws or compares
+//! them.
 
+pub mod behavior;
 pub mod braitenberg;
 pub mod coverage;
 pub mod episode;
-pub mod failure;
+pub mod error;
 pub mod goal_file;
 pub mod pilot;
 pub mod recording;
 pub mod ring_pilot;
-pub mod scenes;
 pub mod settings;
 pub mod statistics;

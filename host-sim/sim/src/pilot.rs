@@ -1,6 +1,6 @@
-//! Whoever drives: takes what happens to the robot, says what the base is to do.
+//! A pilot drives the robot: events go in, motions come out.
 
-use crate::failure::Failure;
+use crate::error::EpisodeError;
 use amp::config::Config;
 use amp::controller::{self, Event, Outputs, State};
 use amp::faults::SensorVerdict;
@@ -8,25 +8,25 @@ use amp::fixed::Mask;
 use amp::som::Grid;
 use amp::units::{Millis, Range};
 
-/// Most random moves the simulator's memory holds.
+/// Capacity of the simulator's memory for random moves.
 pub const MAX_MOVES: u16 = 1_000;
 
-/// The mind's state with the simulator's larger memory; all else as on the chip.
+/// The controller's state, with a larger memory than on the chip.
 pub type SimState = State<16, 16, { MAX_MOVES as usize }>;
 
-/// What a transducer heard.
+/// One echo, as a pilot receives it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct HeardEcho {
     /// Transducer.
     pub sensor: u8,
-    /// What it heard; `None` = nothing answered.
+    /// `None` = no echo.
     pub range: Option<Range>,
-    /// How long before it is told.
+    /// Age of the echo when it is delivered.
     pub age_ms: u32,
 }
 
 impl HeardEcho {
-    /// One that is told at once.
+    /// An echo of age 0.
     #[must_use]
     pub fn now(sensor: u8, range: Option<Range>) -> Self {
         Self {
@@ -37,16 +37,16 @@ impl HeardEcho {
     }
 }
 
-/// Something that drives the robot by its echoes.
+/// Drives the robot by its echoes.
 pub trait Pilot {
-    /// Takes one event and says what to do.
+    /// Handles one event.
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16>;
 
-    /// Takes echoes that are told at the same moment, one after the other, up to the first that brings about a motion.
-    /// Returns how many it took, at least one, and what they brought about together.
+    /// Handles echoes that are delivered together, in order, up to the first that causes a motion.
+    /// Returns how many it handled, at least one, and their joint outputs.
     fn echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> (usize, Outputs<16>) {
         let mut all = Outputs::NONE;
-        // As at the end of a link: whoever hears of the past knows the present.
+        // As over a link: the current time is known before an old echo.
         if echoes.iter().any(|echo| echo.age_ms > 0) {
             all = self.handle(at, Event::Tick);
         }
@@ -65,19 +65,19 @@ pub trait Pilot {
         (echoes.len(), all)
     }
 
-    /// Why it cannot go on driving; `None` while it can.
-    fn failure(&self) -> Option<Failure> {
+    /// Why it cannot continue; `None` while it can.
+    fn failure(&self) -> Option<EpisodeError> {
         None
     }
 }
 
-/// A pilot whose maps can be looked at.
+/// A pilot whose maps can be read.
 pub trait InspectableController: Pilot {
-    /// What it knows.
+    /// Maps and memory.
     ///
     /// # Errors
-    /// When that lies elsewhere and cannot be fetched.
-    fn knowledge(&mut self) -> Result<&SimState, Failure>;
+    /// When they are remote and cannot be read.
+    fn knowledge(&mut self) -> Result<&SimState, EpisodeError>;
 }
 
 impl<P: Pilot> Pilot for &mut P {
@@ -89,32 +89,32 @@ impl<P: Pilot> Pilot for &mut P {
         (**self).echoes(at, echoes)
     }
 
-    fn failure(&self) -> Option<Failure> {
+    fn failure(&self) -> Option<EpisodeError> {
         (**self).failure()
     }
 }
 
 impl<P: InspectableController> InspectableController for &mut P {
-    fn knowledge(&mut self) -> Result<&SimState, Failure> {
+    fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
         (**self).knowledge()
     }
 }
 
-/// The robot's mind: the very crate that runs on the microcontroller.
-pub struct Mind {
+/// The controller in this process: the same crate as on the microcontroller.
+pub struct LocalController {
     config: Config<16>,
     state: Box<SimState>,
     verdicts: Vec<SensorVerdict>,
 }
 
-impl Mind {
-    /// A mind that knows nothing yet.
+impl LocalController {
+    /// A controller without any knowledge.
     #[must_use]
     pub fn new(config: Config<16>) -> Self {
         Self::with_state(config, State::new(Grid::rectangle(4, 4)))
     }
 
-    /// A mind that knows this already.
+    /// A controller with this knowledge.
     #[must_use]
     pub fn with_state(config: Config<16>, mut state: SimState) -> Self {
         state.expect_open_space(config.open_space);
@@ -125,40 +125,41 @@ impl Mind {
         }
     }
 
-    /// Tells it something else; what it knows stays. Its fault detector starts anew with the transducers it has disabled.
+    /// Replaces the configuration and keeps the knowledge. The fault detector restarts with the
+    /// transducers that it has disabled.
     pub fn configure(&mut self, config: Config<16>) {
         self.state.trust(config.enabled);
         self.state.expect_open_space(config.open_space);
         self.config = config;
     }
 
-    /// What it was told.
+    /// The configuration.
     #[must_use]
     pub fn config(&self) -> &Config<16> {
         &self.config
     }
 
-    /// Transducers it uses.
+    /// Transducers that it uses.
     #[must_use]
     pub fn enabled(&self) -> Mask {
         self.state.enabled(&self.config)
     }
 
-    /// Which transducers its fault detector has disabled, or enabled again, in order.
+    /// Verdicts of its fault detector, in order.
     #[must_use]
     pub fn verdicts(&self) -> &[SensorVerdict] {
         &self.verdicts
     }
 
-    /// What it knows.
+    /// Maps and memory.
     #[must_use]
     pub fn state(&self) -> &SimState {
         &self.state
     }
 }
 
-impl Pilot for Mind {
-    // Who calls it says which event it is: there it is only a call of what that event does.
+impl Pilot for LocalController {
+    // Callers pass a constant kind of event, so inlining leaves only the code for that kind.
     #[inline(always)]
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         let outputs = controller::handle(&self.config, &mut self.state, at, event);
@@ -169,8 +170,8 @@ impl Pilot for Mind {
     }
 }
 
-impl InspectableController for Mind {
-    fn knowledge(&mut self) -> Result<&SimState, Failure> {
+impl InspectableController for LocalController {
+    fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
         Ok(&self.state)
     }
 }

@@ -1,65 +1,66 @@
-//! What an episode leaves behind for pictures and tests: plain values in meters, radians and map units, no behavior.
+//! The recorded data of an episode, for pictures and tests: plain values in meters, radians and map
+//! units.
 //!
-//! Everything a person sees (paths, maps, histograms) is drawn from a [`Recording`], never from a running episode, so a
-//! picture can be made again later from the same data.
+//! Every picture of an episode is drawn from a [`Recording`], so it can be drawn again later.
 
 use arena::world::{Point, Pose, World};
 
-/// One decision and what came of it.
+/// One decision and its execution.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Step {
-    /// Where the robot stood when it decided; the heading is the bearing of the sonar ring (its transducer 0).
+    /// Pose at the decision; the heading is the bearing of transducer 0.
     pub pose: Pose,
     /// Simulated time of the decision, seconds since the episode began.
     pub time_s: f64,
     /// Ranges by transducer, meters from its face; `None` = no echo.
     pub ranges_m: Vec<Option<f64>>,
-    /// The situation made of them, one value in [0, 1] per transducer: 1 = obstacle at the near limit, 0 = none.
+    /// Situation, one value in [0, 1] per transducer: 1 = obstacle at the near limit, 0 = none.
     pub situation: Vec<f64>,
-    /// How the planner came to the action; `None` while exploring.
-    pub plan: Option<PlanRecord>,
-    /// Displacement the mind asked for, meters in the ring's frame (x along transducer 0, y to its left).
+    /// Intermediate values of the planner; `None` while exploring.
+    pub plan: Option<PlanTrace>,
+    /// Displacement asked for, meters in the ring's frame: x along transducer 0, y to its left.
     pub commanded_m: [f64; 2],
     /// Displacement the base carried out, meters in the same frame.
     pub executed_m: [f64; 2],
-    /// The robot touched something on the way.
+    /// The robot touched something during the motion.
     pub touched: bool,
     /// The shield shortened or stopped the motion.
     pub shielded: bool,
-    /// Where the robot that is followed stood, if there is one.
+    /// Position of the leader, if there is one.
     pub leader: Option<Point>,
-    /// Which of the behavior's goals was pursued, counted from 0: a chain has several.
+    /// Index of the goal in a chain.
     pub part: usize,
 }
 
 /// The planner's intermediate values for one decision (steps 1 to 4 of the paper, Fig. 3).
 #[derive(Debug, Clone, PartialEq)]
-pub struct PlanRecord {
+pub struct PlanTrace {
     /// Neuron of the situation map that stands for the goal.
     pub goal_neuron: usize,
-    /// Best-matching unit of the present situation.
+    /// Best-matching unit of the current situation.
     pub current_neuron: usize,
-    /// Neighbor of the current neuron nearer to the goal.
+    /// Neighbor of the current neuron that is nearer to the goal.
     pub intermediate_neuron: usize,
-    /// Change of situation wanted, one value in [-1, 1] per transducer: what the action map is probed with.
+    /// Wanted change of situation, one value in [-1, 1] per transducer: the probe of the action
+    /// map.
     pub wanted_change: Vec<f64>,
-    /// Neuron of the action map that answered.
+    /// Neuron of the action map with the best match.
     pub action_neuron: usize,
-    /// Why this action: a word or two, as the mind names it.
+    /// Why this action, in a few words.
     pub reason: String,
     /// The goal held when the decision was taken.
     pub at_goal: bool,
 }
 
-/// A self-organizing map as drawn: code vectors row by row over the grid.
+/// A self-organizing map as it is drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapRecord {
     /// Neurons along x and along y of the grid.
     pub grid: [usize; 2],
     /// Code vectors, one per neuron, row by row from the top.
     pub code: Vec<Vec<f64>>,
-    /// How many probes each neuron wins: of the situation map every situation of the episode, of the
-    /// action map every remembered change.
+    /// Hits per neuron. The situation map is probed with every situation of the episode, the change
+    /// map with every remembered change.
     pub hits: Vec<usize>,
     /// Mean distance of each neuron to its direct neighbors (U-matrix).
     pub u_matrix: Vec<f64>,
@@ -74,17 +75,17 @@ pub struct Recording {
     pub behavior: String,
     /// Name of the preset, e.g. `default`.
     pub preset: String,
-    /// The seed all randomness came from.
+    /// Seed of all randomness.
     pub seed: u64,
     /// Bearings of the transducers in the ring's frame, radians counter-clockwise from its x axis.
     pub bearings_rad: Vec<f64>,
     /// Range at which a situation value is 1, meters.
     pub near_m: f64,
-    /// Range from which on a situation value is 0, meters.
+    /// Range at which a situation value becomes 0, meters.
     pub far_m: f64,
-    /// Where the nest is, or the place of a captured situation; `None` where no place is sought or it is unknown.
+    /// Place of the nest or of a captured situation; `None` where there is none or it is unknown.
     pub goal_place: Option<Point>,
-    /// Radius of the body that must not touch anything, meters.
+    /// Radius of the collision disc, meters.
     pub robot_radius_m: f64,
     /// The random moves.
     pub exploration: Vec<Step>,

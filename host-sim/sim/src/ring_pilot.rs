@@ -1,5 +1,7 @@
-//! A rule that drives by whole rings, made a [`Pilot`]: the echoes gathered, the way reckoned, the shield of the `amp`
-//! crate applied just as the mind's controller applies it: before a motion, with its detours, and at every echo on the way.
+//! Turns a rule that decides once per ring into a [`Pilot`].
+//!
+//! It collects the echoes, integrates the odometry and applies the shield of `amp` as the
+//! controller does: before a motion, with detours, and at every echo during it.
 
 use crate::pilot::Pilot;
 use amp::config::Config;
@@ -14,33 +16,33 @@ use std::f64::consts::{PI, TAU};
 /// Longest displacement of one decision, m.
 pub const STEP_M: f64 = 0.25;
 
-/// What a [`Policy`] decides by.
+/// Input of a [`Policy`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Perceived {
-    /// Latest range of each transducer from its face; `None` = nothing answered.
+pub struct Perception {
+    /// Latest range of each transducer from its face; `None` = no echo.
     pub ranges: [Option<Range>; 16],
-    /// Dead-reckoned pose of the ring, counted from where the driver began: place in m, heading in rad.
+    /// Dead-reckoned pose of the ring since the start: position in m, heading in rad.
     pub pose: Pose,
-    /// How far the ring has turned since the last decision.
+    /// Turn of the ring since the last decision.
     pub turned: Bearing,
-    /// What came of the last decision; `None` before the first.
-    pub last: Option<Done>,
+    /// Result of the last decision; `None` before the first.
+    pub last: Option<MotionOutcome>,
 }
 
 /// A motion that has ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Done {
-    /// Displacement that was tried, m in the ring's frame at that decision: what the policy asked for, or the detour that the
-    /// shield made of it.
+pub struct MotionOutcome {
+    /// Displacement that was commanded, m in the ring's frame at that decision: the policy's, or
+    /// the shield's detour.
     pub wanted: Point,
     /// Displacement carried out, m in the same frame.
     pub moved: Point,
-    /// The body touched something on the way.
+    /// The body touched something.
     pub touched: bool,
 }
 
-impl Perceived {
-    /// Range of a transducer, m from its face; infinite where nothing answered.
+impl Perception {
+    /// Range of a transducer, m from its face; infinite without an echo.
     #[must_use]
     pub fn range_m(&self, sensor: usize) -> f64 {
         let range = self.ranges.get(sensor).copied().flatten();
@@ -48,7 +50,7 @@ impl Perceived {
     }
 }
 
-/// Where transducer `sensor` looks, in the ring's frame.
+/// Unit vector along transducer `sensor`, in the ring's frame.
 #[must_use]
 pub fn axis(sensor: usize) -> Point {
     Point::unit(sensor as f64 * TAU / 16.0)
@@ -56,31 +58,31 @@ pub fn axis(sensor: usize) -> Point {
 
 /// A rule that answers each complete ring with a displacement.
 pub trait Policy {
-    /// The displacement to try next, m in the ring's present frame, at most [`STEP_M`] long.
-    fn decide(&mut self, perceived: &Perceived) -> Point;
+    /// The next displacement, m in the ring's current frame, at most [`STEP_M`] long.
+    fn decide(&mut self, perceived: &Perception) -> Point;
 
-    /// Bytes of what it remembers, as the simulator holds it.
+    /// Size of its memory in the simulator, bytes.
     fn bytes(&self) -> usize {
         size_of_val(self)
     }
 }
 
-/// A policy that can be told where to go.
-pub trait Steered: Policy {
-    /// From now on the robot is to go along `target`, rad counter-clockwise in the frame of [`Perceived::pose`] (with a
-    /// held turret: from where the ring looks); `None` = wherever the way is free.
+/// A policy with a target direction.
+pub trait Steerable: Policy {
+    /// Sets the target direction, rad counter-clockwise in the frame of [`Perception::pose`];
+    /// `None` = any free direction. With a held turret the frame is that of the ring.
     fn steer(&mut self, target: Option<f64>);
 }
 
-/// A motion under way.
+/// The current motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct UnderWay {
+struct ActiveMotion {
     wanted: Point,
-    /// The same, rounded.
+    /// `wanted`, rounded.
     commanded: Displacement,
     /// Executed so far, m in the frame of the decision.
     moved: Point,
-    /// Still to go.
+    /// Remaining displacement.
     remaining: Tracked,
     turned: Bearing,
     speed_mm_s: u16,
@@ -94,16 +96,16 @@ pub struct RingPilot<P> {
     scan: Scan<16>,
     shield: Shield<16>,
     pose: Pose,
-    under_way: Option<UnderWay>,
+    active: Option<ActiveMotion>,
     moving: bool,
     touched: bool,
     motion: u16,
-    /// Decisions in a row for which all ways were closed.
-    closed: u8,
+    /// Consecutive decisions in which all directions were blocked.
+    blocked: u8,
 }
 
 impl<P: Policy> RingPilot<P> {
-    /// Lets `policy` drive a Nomad 200, with this shield or none.
+    /// Lets `policy` drive a Nomad 200; without a shield if it is `None`.
     #[must_use]
     pub fn new(policy: P, shield: Option<ShieldConfig>) -> Self {
         Self {
@@ -115,21 +117,21 @@ impl<P: Policy> RingPilot<P> {
             scan: Scan::default(),
             shield: Shield::new(),
             pose: Pose::default(),
-            under_way: None,
+            active: None,
             moving: false,
             touched: false,
             motion: 0,
-            closed: 0,
+            blocked: 0,
         }
     }
 
-    /// The rule.
+    /// The policy.
     #[must_use]
     pub fn policy(&self) -> &P {
         &self.policy
     }
 
-    /// The rule, to be told something.
+    /// The policy, mutable.
     pub fn policy_mut(&mut self) -> &mut P {
         &mut self.policy
     }
@@ -154,69 +156,74 @@ impl<P: Policy> RingPilot<P> {
         }
     }
 
-    /// Shortens the motion under way where the newest echo asks for it.
+    /// Shortens the current motion if the newest echo requires it.
     fn guard(&mut self, sensor: usize, now: Millis) -> Outputs<16> {
-        let Some(under_way) = &mut self.under_way else {
+        let Some(active) = &mut self.active else {
             return Outputs::NONE;
         };
-        let remaining = under_way.remaining.now();
+        let remaining = active.remaining.now();
         let shorter = self
             .shield
             .shorten(&self.config, Mask::ALL, remaining, now, sensor);
         let Some(allowed) = shorter else {
             return Outputs::NONE;
         };
-        // A base that has gone too far stands, as under the mind.
-        let left = remaining.rotated(under_way.turned.direction());
-        let left_mm = if left.opposes(under_way.commanded) {
+        // A base that has overrun its motion stands, as under the controller.
+        let left = remaining.rotated(active.turned.direction());
+        let left_mm = if left.opposes(active.commanded) {
             0
         } else {
             allowed.distance_mm
         };
         let shorter = remaining.with_length(left_mm);
-        under_way.remaining = Tracked::new(shorter);
-        under_way.speed_mm_s = allowed.speed_mm_s.min(under_way.speed_mm_s);
+        active.remaining = Tracked::new(shorter);
+        active.speed_mm_s = allowed.speed_mm_s.min(active.speed_mm_s);
         Outputs {
             motion: Some(Motion {
                 id: self.motion,
                 displacement: shorter,
-                speed_mm_s: under_way.speed_mm_s,
+                speed_mm_s: active.speed_mm_s,
             }),
             ..Outputs::NONE
         }
     }
 
-    /// A ring is complete and the base stands.
-    fn decide(&mut self, now: Millis) -> Outputs<16> {
-        let ended = self.under_way.take();
-        let perceived = Perceived {
+    /// What the policy decides on; forgets the last motion.
+    fn perception(&mut self) -> Perception {
+        let ended = self.active.take();
+        Perception {
             ranges: self.scan.echoes().map(|echo| echo.range),
             pose: self.pose,
             turned: ended.map_or(Bearing::ZERO, |ended| ended.turned),
-            last: ended.map(|ended| Done {
+            last: ended.map(|ended| MotionOutcome {
                 wanted: ended.wanted,
                 moved: ended.moved,
                 touched: self.touched,
             }),
-        };
-        let asked = self.policy.decide(&perceived);
+        }
+    }
+
+    /// Decides: the ring is complete and the base stands.
+    fn decide(&mut self, now: Millis) -> Outputs<16> {
+        let perception = self.perception();
+        let asked = self.policy.decide(&perception);
         let millimeters = |meters: f64| libm::round(meters * 1e3) as i32;
         let wanted = Displacement::saturating(millimeters(asked.x), millimeters(asked.y));
-        let (way, limit) = self.way(wanted, now);
+        let (way, limit) = self.allowed_path(wanted, now);
         let allowed = if limit.distance_mm >= way.length_mm() {
             way
         } else {
             way.with_length(limit.distance_mm)
         };
         if allowed != Displacement::ZERO {
-            self.closed = 0;
+            self.blocked = 0;
         } else if way != Displacement::ZERO {
-            self.closed = self.closed.wrapping_add(1);
+            self.blocked = self.blocked.wrapping_add(1);
         }
         self.motion = self.motion.wrapping_add(1);
         (self.moving, self.touched) = (true, false);
         self.scan.renew();
-        self.under_way = Some(UnderWay {
+        self.active = Some(ActiveMotion {
             wanted: if way == wanted { asked } else { meters(way) },
             commanded: way,
             moved: Point::default(),
@@ -241,11 +248,11 @@ impl<P: Policy> RingPilot<P> {
         }
     }
 
-    /// What is tried of a way, and how far.
-    fn way(&self, wanted: Displacement, now: Millis) -> (Displacement, Allowed) {
+    /// The displacement that the shield tries instead of `wanted`, and how far it may go.
+    fn allowed_path(&self, wanted: Displacement, now: Millis) -> (Displacement, Allowed) {
         let (config, shield) = (&self.config, &self.shield);
         let aside = shield.step_aside(config, Mask::ALL, wanted, now);
-        aside.unwrap_or_else(|| shield.detour(config, Mask::ALL, wanted, now, self.closed))
+        aside.unwrap_or_else(|| shield.detour(config, Mask::ALL, wanted, now, self.blocked))
     }
 
     fn odometry(&mut self, motion: u16, moved: Displacement, turned: Bearing, progress: Progress) {
@@ -255,13 +262,13 @@ impl<P: Policy> RingPilot<P> {
         let way = meters(moved);
         let place = self.pose.position + way.turned(Point::unit(self.pose.heading));
         self.pose = Pose::new(place, wrap_angle(self.pose.heading + radians(turned)));
-        let Some(under_way) = &mut self.under_way else {
+        let Some(active) = &mut self.active else {
             return;
         };
-        let since = Point::unit(radians(under_way.turned));
-        under_way.moved = under_way.moved + way.turned(since);
-        under_way.remaining.go(moved, turned);
-        under_way.turned = under_way.turned.plus(turned);
+        let since = Point::unit(radians(active.turned));
+        active.moved = active.moved + way.turned(since);
+        active.remaining.go(moved, turned);
+        active.turned = active.turned.plus(turned);
         self.touched |= progress == Progress::Touched;
         let is_over = matches!(progress, Progress::Ended | Progress::Touched);
         if motion == self.motion && is_over && self.moving {
@@ -301,9 +308,9 @@ fn radians(turned: Bearing) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::episode::{Body, Setup, drive_pilot, educate};
-    use crate::pilot::{Mind, SimState};
-    use crate::scenes::Behavior;
+    use crate::behavior::Behavior;
+    use crate::episode::{Body, Setup, drive_pilot, explore_and_learn};
+    use crate::pilot::{LocalController, SimState};
     use amp::controller::{Command, StatePart};
     use amp::goal::{Goal, Side};
     use amp::som::Grid;
@@ -311,35 +318,35 @@ mod tests {
     use arena::robot::TurretMode;
     use arena::sonar::SonarModel;
 
-    /// Whatever was asked of the mind is asked of the policy.
-    struct Script(Displacement);
+    /// Asks for the displacement that it holds.
+    struct FixedPolicy(Displacement);
 
-    impl Policy for Script {
-        fn decide(&mut self, _: &Perceived) -> Point {
+    impl Policy for FixedPolicy {
+        fn decide(&mut self, _: &Perception) -> Point {
             meters(self.0)
         }
     }
 
-    /// Two drivers side by side: every motion of the one has to be one of the other.
-    struct Both {
-        mind: Mind,
-        other: RingPilot<Script>,
+    /// Runs the controller and a ring pilot on the same events and compares their motions.
+    struct SideBySide {
+        controller: LocalController,
+        other: RingPilot<FixedPolicy>,
         shortened: u32,
-        /// Motions in another direction than was asked for.
+        /// Motions in another direction than the planned one.
         detours: u32,
     }
 
-    impl Pilot for Both {
+    impl Pilot for SideBySide {
         fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
-            let outputs = self.mind.handle(at, event);
+            let outputs = self.controller.handle(at, event);
             if let Some(decision) = &outputs.decision {
                 self.other.policy_mut().0 = decision.plan.expect("it seeks").action;
             }
             let twin = self.other.handle(at, event);
-            let told = |motion: Option<Motion>| motion.map(|m| (m.displacement, m.speed_mm_s));
+            let what = |motion: Option<Motion>| motion.map(|m| (m.displacement, m.speed_mm_s));
             assert_eq!(
-                told(outputs.motion),
-                told(twin.motion),
+                what(outputs.motion),
+                what(twin.motion),
                 "{at:?} {event:?} {:?}",
                 outputs.stale_ms
             );
@@ -353,9 +360,9 @@ mod tests {
         }
     }
 
-    /// What a mind has learned that has heard nothing yet.
+    /// Knowledge of a controller that has received no echo yet.
     fn learned(config: &Config<16>) -> SimState {
-        let mut mind = Mind::new(config.clone());
+        let mut controller = LocalController::new(config.clone());
         let setup = Setup {
             config: config.clone(),
             preset: "default".to_owned(),
@@ -369,8 +376,8 @@ mod tests {
             set_down: None,
             record: false,
         };
-        educate(&small(2), &setup, &mut mind).expect("it learns");
-        // Only what it has learned, not what it has heard.
+        explore_and_learn(&small(2), &setup, &mut controller).expect("it learns");
+        // Copies the knowledge without the scan and the shield.
         let mut fresh = SimState::new(Grid::rectangle(4, 4));
         for part in [
             StatePart::Situations,
@@ -378,8 +385,8 @@ mod tests {
             StatePart::Actions,
             StatePart::Memory,
         ] {
-            let mut bytes = vec![0; mind.state().part_len(part)];
-            mind.state().read_part(part, 0, &mut bytes);
+            let mut bytes = vec![0; controller.state().part_len(part)];
+            controller.state().read_part(part, 0, &mut bytes);
             fresh.write_part(part, 0, &bytes).expect("its own part");
         }
         fresh
@@ -388,7 +395,7 @@ mod tests {
     #[test]
     fn the_shield_is_the_minds_own_motion_by_motion() {
         let mut config = Config::recommended();
-        // The other driver uses every transducer.
+        // The ring pilot uses every transducer.
         config.fault_detection = false;
         let learned = learned(&config);
         for (sonar, turret) in [
@@ -396,22 +403,22 @@ mod tests {
             (SonarModel::Harsh, TurretMode::Held),
             (SonarModel::Nomad, TurretMode::Follow),
         ] {
-            let mut mind = Mind::with_state(config.clone(), learned.clone());
-            // So near that the shield has much to do.
+            let mut controller = LocalController::with_state(config.clone(), learned.clone());
+            // So near to the wall that the shield acts often.
             let goal = Goal::wall(Side::Right, Range::from_mm(150), &config);
-            let _ = mind.handle(Millis::from_ms(0), Event::Command(Command::Seek(goal)));
-            let mut both = Both {
-                mind,
-                other: RingPilot::new(Script(Displacement::ZERO), config.shield),
+            let _ = controller.handle(Millis::from_ms(0), Event::Command(Command::Seek(goal)));
+            let mut both = SideBySide {
+                controller,
+                other: RingPilot::new(FixedPolicy(Displacement::ZERO), config.shield),
                 shortened: 0,
                 detours: 0,
             };
             let world = small(3);
             let body = Body::new(&world, sonar, turret, 5);
-            let tally = drive_pilot(&world, &mut both, body, 200).expect("it drives");
-            assert_eq!(tally.steps, 200);
-            assert!(tally.shield_stops > 0, "{sonar:?}");
-            // One is the step aside at the start.
+            let metrics = drive_pilot(&world, &mut both, body, 200).expect("it drives");
+            assert_eq!(metrics.steps, 200);
+            assert!(metrics.shield_stops > 0, "{sonar:?}");
+            // One detour is the step aside at the start.
             assert!(both.detours > 1, "{sonar:?}");
             if sonar != SonarModel::Ideal {
                 assert!(both.shortened > 0, "{sonar:?}");
@@ -419,9 +426,10 @@ mod tests {
         }
     }
 
-    /// A pilot with nothing around it and its first motion; it asks for 100 mm straight on.
-    fn under_way(shield: Option<ShieldConfig>) -> (RingPilot<Script>, Motion) {
-        let mut pilot = RingPilot::new(Script(Displacement::along(Bearing::ZERO, 100)), shield);
+    /// A pilot with nothing around it, and its first motion of 100 mm straight ahead.
+    fn active(shield: Option<ShieldConfig>) -> (RingPilot<FixedPolicy>, Motion) {
+        let mut pilot =
+            RingPilot::new(FixedPolicy(Displacement::along(Bearing::ZERO, 100)), shield);
         let motion = (0..16).find_map(|sensor| {
             let range = None;
             let echo = Event::Echo { sensor, range };
@@ -433,7 +441,7 @@ mod tests {
     #[test]
     fn a_way_that_was_overrun_is_not_gone_back() {
         let config = Config::<16>::recommended();
-        let (mut pilot, motion) = under_way(config.shield);
+        let (mut pilot, motion) = active(config.shield);
         let way = motion.displacement;
         let _ = pilot.handle(
             Millis::from_ms(300),
@@ -462,7 +470,7 @@ mod tests {
 
     #[test]
     fn the_way_is_reckoned_across_a_turn_of_the_ring() {
-        let (mut pilot, _) = under_way(None);
+        let (mut pilot, _) = active(None);
         let quarter = Bearing::from_turns(16_384);
         let ahead = Displacement::along(Bearing::ZERO, 50);
         for progress in [Progress::Moving, Progress::Ended] {
@@ -474,11 +482,11 @@ mod tests {
             };
             let _ = pilot.handle(Millis::from_ms(0), odometry);
         }
-        // 50 mm along x, then, a quarter turn later, 50 mm along what was y.
+        // 50 mm along x; after a quarter turn 50 mm along what was y.
         let expected = Point::new(0.05, 0.05);
         assert!(pilot.pose().position.distance(expected) < 1e-12);
         assert!((pilot.pose().heading.abs() - PI).abs() < 1e-12);
-        let moved = pilot.under_way.expect("a motion").moved;
+        let moved = pilot.active.expect("a motion").moved;
         assert!(moved.distance(expected) < 1e-12);
     }
 }

@@ -1,13 +1,13 @@
-//! Means and their uncertainty.
+//! Means, shares and rates with their confidence intervals.
 
 use arena::noise::Noise;
 
-/// A mean with its 95 % interval by the bootstrap over worlds and seeds.
+/// A mean with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mean {
     /// The mean.
     pub mean: f64,
-    /// The interval's ends.
+    /// The ends of the interval.
     pub interval: [f64; 2],
 }
 
@@ -18,10 +18,10 @@ impl std::fmt::Display for Mean {
     }
 }
 
-/// Draws of the bootstrap.
+/// Number of resamples.
 const DRAWS: usize = 2_000;
 
-/// Mean and percentile interval; both worlds and the seeds within them are drawn anew.
+/// Mean with its bootstrap percentile interval; worlds and the seeds within them are resampled.
 #[must_use]
 pub fn bootstrap(worlds: &[Vec<f64>]) -> Mean {
     let single = |world: &Vec<f64>| world.iter().map(|value| [*value]).collect();
@@ -29,8 +29,8 @@ pub fn bootstrap(worlds: &[Vec<f64>]) -> Mean {
     bootstrap_of(&rows, |[sum], count| sum / count)
 }
 
-/// As [`bootstrap`], of a `statistic` of the columns' sums and the number of rows (at least 1): a ratio of two sums, a
-/// difference of two ratios.
+/// As [`bootstrap`], of a `statistic` of the columns' sums and the number of rows (at least 1), for
+/// example a ratio of two sums.
 #[must_use]
 pub fn bootstrap_of<const COLUMNS: usize>(
     worlds: &[Vec<[f64; COLUMNS]>],
@@ -110,8 +110,9 @@ pub fn pearson(pairs: &[[f64; 2]]) -> f64 {
     }
 }
 
-/// The share of `count` independent trials that succeeded, with its 95 % interval by Wilson's score (E. B. Wilson, *Journal of the
-/// American Statistical Association* 22, 1927): it has a width even where all or none did. Nothing is known of no trials.
+/// Share of successes in `count` independent trials with Wilson's score interval (E. B. Wilson,
+/// *Journal of the American Statistical Association* 22, 1927). It has a width even if all trials
+/// succeed. Without trials it is [0, 1].
 #[must_use]
 pub fn wilson(successes: usize, count: usize) -> Mean {
     /// The standard normal's 97.5 % quantile.
@@ -134,21 +135,21 @@ pub fn wilson(successes: usize, count: usize) -> Mean {
     }
 }
 
-/// Exact 95 % interval of a Poisson distribution's mean after `count` events (F. Garwood, "Fiducial limits for the Poisson
-/// distribution", Biometrika 28, 1936).
+/// Exact 95 % interval of a Poisson mean after `count` events (F. Garwood, "Fiducial limits for the
+/// Poisson distribution", *Biometrika* 28, 1936).
 #[must_use]
 pub fn poisson_interval(count: u64) -> [f64; 2] {
     let low = match count {
         0 => 0.0,
-        _ => where_tail_is(count, 0.025),
+        _ => mean_with_tail(count, 0.025),
     };
-    [low, where_tail_is(count.saturating_add(1), 0.975)]
+    [low, mean_with_tail(count.saturating_add(1), 0.975)]
 }
 
 /// Probability of `count` or more events where `mean` are expected. Takes time proportional to `count`.
 #[must_use]
 pub fn poisson_tail(count: u64, mean: f64) -> f64 {
-    // By logarithms: e to the power of minus the mean is below the least number from a mean of 746 on.
+    // In logarithms, because e^−mean underflows from a mean of 746.
     let mut log_term = -mean;
     let mut fewer = 0.0;
     for number in 0..count {
@@ -158,8 +159,8 @@ pub fn poisson_tail(count: u64, mean: f64) -> f64 {
     (1.0 - fewer).max(0.0)
 }
 
-/// The mean at which `count` or more events have this probability.
-fn where_tail_is(count: u64, probability: f64) -> f64 {
+/// The mean for which `count` or more events have this probability.
+fn mean_with_tail(count: u64, probability: f64) -> f64 {
     let (mut low, mut high) = (0.0, 2.0 * count as f64 + 20.0);
     for _ in 0..100 {
         let middle = (low + high) / 2.0;
@@ -184,7 +185,7 @@ mod tests {
             assert!((found_low - low).abs() < 5e-4, "{count}: {found_low}");
             assert!((found_high - high).abs() < 5e-3, "{count}: {found_high}");
         }
-        // Of thousands, by Wilson and Hilferty's approximation of chi-squared (1931).
+        // For thousands of events, Wilson and Hilferty's approximation of chi-squared (1931).
         let [low, high] = poisson_interval(4_380);
         assert!((low - 4_251.24).abs() < 0.01, "{low}");
         assert!((high - 4_511.67).abs() < 0.01, "{high}");

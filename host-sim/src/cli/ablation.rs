@@ -117,7 +117,7 @@ pub fn ablation(args: &AblationArgs, out: &mut impl Write) -> Result<(), CliErro
 fn avoidance_row(
     variant: &Variant,
     args: &AblationArgs,
-) -> Result<Vec<String>, sim::failure::Failure> {
+) -> Result<Vec<String>, sim::error::EpisodeError> {
     let trial = AblationTrial {
         first: args.first,
         rooms: args.rooms,
@@ -133,7 +133,7 @@ fn avoidance_row(
 fn behavior_row(
     variant: &Variant,
     args: &AblationArgs,
-) -> Result<Vec<String>, sim::failure::Failure> {
+) -> Result<Vec<String>, sim::error::EpisodeError> {
     let mut row = vec![variant.name.clone()];
     let VariantDriver::Mind(config, turret) = &variant.driver else {
         return Ok(row);

@@ -8,7 +8,7 @@ use experiments::behaviors::{BehaviorTrial, SceneOutcome, first, measure};
 use experiments::scenes::{BehaviorScene, scenes_named};
 use files::error::BadInput;
 use plots::ShownBehavior;
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 

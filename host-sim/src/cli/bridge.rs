@@ -11,9 +11,9 @@ use arena::robot::TurretMode;
 use clap::Args;
 use files::error::BadInput;
 use nomad200::Host;
-use nomad200::bridge::{Driven, Plan, Trouble, drive};
-use remote::link::{Address, AnyMind, Serial, Tcp};
-use remote::log::{self, Log, LoggedMind, SharedLog};
+use nomad200::bridge::{BridgeError, BridgePlan, BridgeReport, drive};
+use remote::link::{Address, AnyController, Serial, Tcp};
+use remote::log::{self, LogWriter, LoggedController, SharedLog};
 use std::fmt;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -105,7 +105,8 @@ impl RobotAddress {
             Address::Serial { path, baud } => Ok(Host::new(Serial::open(path, *baud).map_err(at)?)),
             Address::Tcp(host) => {
                 let line = Tcp::open(host).map_err(at)?;
-                Host::greeted(line).map_err(|error| BadInput::new(format!("{}: {error}", self.0)))
+                Host::with_greeting(line)
+                    .map_err(|error| BadInput::new(format!("{}: {error}", self.0)))
             }
             Address::Qemu => Err(BadInput::new("an emulated chip is no robot")),
         }
@@ -126,7 +127,7 @@ impl RobotAddress {
 /// A robot or controller that cannot be reached or stops answering, an interruption, a closed pipe.
 pub(super) fn bridge(args: &BridgeArgs, out: &mut impl Write) -> Result<(), CliError> {
     let task = &args.task;
-    let plan = Plan {
+    let plan = BridgePlan {
         config: held_turret_config(task)?,
         explore_moves: task.explore,
         steps: args.steps,
@@ -173,21 +174,21 @@ pub(super) fn mind(
     task: &TaskArgs,
     args: &MindArgs,
     log: Option<&Path>,
-) -> Result<LoggedMind, BadInput> {
+) -> Result<LoggedController, BadInput> {
     let config = held_turret_config(task)?;
-    let mind = AnyMind::new(&config, args.place(task.explore)?)?;
+    let mind = AnyController::new(&config, args.place(task.explore)?)?;
     if let (replaced @ [_, ..], name) = (&*mind.replaced(), mind.name()) {
         eprintln!(
             "{name}: the controller had another {}: replaced for this run",
             replaced.join(", another ")
         );
     }
-    let mut log = log.map(Log::create).transpose()?;
+    let mut log = log.map(LogWriter::create).transpose()?;
     if let Some(log) = &mut log {
         log.set_chunk_duration(CHUNK_DURATION);
     }
-    let mut mind = LoggedMind::new(mind, log.map(SharedLog::new));
-    let setup = log::Setup {
+    let mut mind = LoggedController::new(mind, log.map(SharedLog::new));
+    let setup = log::SetupRecord {
         format: log::FORMAT,
         program: env!("CARGO_PKG_VERSION").to_owned(),
         world: format!("Nomad at {}", robot.0),
@@ -203,10 +204,10 @@ pub(super) fn mind(
     Ok(mind)
 }
 
-fn explain(args: &BridgeArgs, trouble: &Trouble) -> BadInput {
+fn explain(args: &BridgeArgs, trouble: &BridgeError) -> BadInput {
     match (trouble, &args.mind.choice) {
-        (Trouble::Robot(error), _) => BadInput::new(format!("{}: {error}", args.nomad.0)),
-        (Trouble::Mind(failure), MindChoice::At(address)) => {
+        (BridgeError::Robot(error), _) => BadInput::new(format!("{}: {error}", args.nomad.0)),
+        (BridgeError::Controller(failure), MindChoice::At(address)) => {
             BadInput::new(format!("{address}: {failure}; the robot was stopped"))
         }
         _ => BadInput::new(trouble.to_string()),
@@ -222,7 +223,7 @@ pub(super) fn interrupt_flag() -> Result<Arc<AtomicBool>, BadInput> {
     Ok(flag)
 }
 
-fn print(args: &BridgeArgs, driven: &Driven, out: &mut impl Write) -> Result<(), CliError> {
+fn print(args: &BridgeArgs, driven: &BridgeReport, out: &mut impl Write) -> Result<(), CliError> {
     if args.json {
         serde_json::to_writer(&mut *out, driven).map_err(std::io::Error::from)?;
         return Ok(out.write_all(b"\n")?);

@@ -7,8 +7,8 @@ use arena::sonar::SonarModel;
 use arena::world::World;
 use clap::Args;
 use files::error::BadInput;
+use sim::behavior::Behavior;
 use sim::episode::{self, Phase, Setup};
-use sim::scenes::Behavior;
 use std::io::Write;
 use std::path::PathBuf;
 

@@ -6,7 +6,7 @@ use arena::loaders::parse_worlds;
 use arena::world::World;
 use clap::{Args, Subcommand, ValueEnum};
 use files::error::BadInput;
-use nomad200::{Line, Protocol, Server, Simulated};
+use nomad200::{Protocol, RobotLine, Server, SimulatedNomad};
 use remote::listen::check_reach;
 use std::io::Write;
 use std::net::{TcpListener, ToSocketAddrs as _};
@@ -95,10 +95,10 @@ pub(super) fn nomad(args: &NomadArgs, out: &mut impl Write) -> Result<(), CliErr
 }
 
 fn serve(args: &ServeArgs, out: &mut impl Write) -> Result<(), CliError> {
-    let robot = Simulated::new(world(&args.world)?, args.sonar.into(), args.seed)
+    let robot = SimulatedNomad::new(world(&args.world)?, args.sonar.into(), args.seed)
         .with_wheels_blocked_after(args.blocked_after.unwrap_or(f64::INFINITY));
     if args.pty {
-        let server = Server::new(Line::new(robot, Protocol::Direct), args.speed);
+        let server = Server::new(RobotLine::new(robot, Protocol::Direct), args.speed);
         serve_pty(server, out)
     } else {
         serve_tcp(robot, args, out)
@@ -122,7 +122,11 @@ fn announce(out: &mut impl Write, place: impl std::fmt::Display) -> Result<(), C
     Ok(out.flush()?)
 }
 
-fn serve_tcp(robot: Simulated, args: &ServeArgs, out: &mut impl Write) -> Result<(), CliError> {
+fn serve_tcp(
+    robot: SimulatedNomad,
+    args: &ServeArgs,
+    out: &mut impl Write,
+) -> Result<(), CliError> {
     let usual = match args.protocol {
         Spoken::Direct => DIRECT,
         Spoken::Nserver => NSERVER,
@@ -141,12 +145,12 @@ fn serve_tcp(robot: Simulated, args: &ServeArgs, out: &mut impl Write) -> Result
             speed: args.speed,
         },
     };
-    let mut server = Server::new(Line::new(robot, protocol), args.speed);
+    let mut server = Server::new(RobotLine::new(robot, protocol), args.speed);
     announce(out, place)?;
     loop {
         // A client that leaves before the greeting is skipped.
         if let Ok(mut host) = server.accept(&listener) {
-            let error = server.speak(&mut host);
+            let error = server.serve(&mut host);
             report(&server, &error);
         }
     }
@@ -155,9 +159,9 @@ fn serve_tcp(robot: Simulated, args: &ServeArgs, out: &mut impl Write) -> Result
 #[cfg(unix)]
 fn serve_pty(mut server: Server, out: &mut impl Write) -> Result<(), CliError> {
     let refuse = |error: std::io::Error| BadInput::new(format!("--pty: {error}"));
-    let mut pty = nomad200::Pty::open().map_err(refuse)?;
+    let mut pty = nomad200::PseudoTerminal::open().map_err(refuse)?;
     announce(out, pty.path().display())?;
-    let error = server.speak(&mut pty);
+    let error = server.serve(&mut pty);
     Err(refuse(error).into())
 }
 
@@ -169,7 +173,7 @@ fn serve_pty(_: Server, _: &mut impl Write) -> Result<(), CliError> {
 /// Prints statistics of a finished connection.
 fn report(server: &Server, error: &std::io::Error) {
     let robot = server.line().robot();
-    let ledger = robot.ledger();
+    let ledger = robot.ground_truth();
     eprintln!(
         "host disconnected ({error}): {:.1} m rolled and {} contacts so far, {:.1} s of the robot's time",
         ledger.traveled_m,

@@ -7,9 +7,11 @@ use amp::wire::message::Clock;
 use arena::world::World;
 use clap::Args;
 use files::error::BadInput;
-use remote::link::{self, Address, Emulation, LinkError, MindPlace, RemoteMind, Session};
+use remote::link::{
+    self, Address, ControllerPlace, Emulation, LinkError, RemoteController, Session,
+};
 use sim::episode::{Episode, Setup};
-use sim::failure::Failure;
+use sim::error::EpisodeError;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -62,10 +64,12 @@ impl MindArgs {
     ///
     /// # Errors
     /// When it cannot be reached, is incompatible, or has too small a memory.
-    pub(super) fn place(&self, moves: u16) -> Result<MindPlace, BadInput> {
+    pub(super) fn place(&self, moves: u16) -> Result<ControllerPlace, BadInput> {
         Ok(match Remote::connect(self, moves)? {
-            None => MindPlace::Host,
-            Some(remote) => MindPlace::Link(Box::new(remote.session), remote.address.to_string()),
+            None => ControllerPlace::Host,
+            Some(remote) => {
+                ControllerPlace::Link(Box::new(remote.session), remote.address.to_string())
+            }
         })
     }
 }
@@ -113,8 +117,8 @@ impl Remote {
         world: &World,
         setup: &Setup,
         log: Option<&Path>,
-    ) -> Result<Episode, Failure> {
-        let mut mind = self.mind(&setup.config).map_err(Failure::from)?;
+    ) -> Result<Episode, EpisodeError> {
+        let mut mind = self.mind(&setup.config).map_err(EpisodeError::from)?;
         drive(world, setup, &mut mind, log)
     }
 
@@ -125,9 +129,9 @@ impl Remote {
     pub(super) fn mind(
         &mut self,
         config: &Config<16>,
-    ) -> Result<RemoteMind<&mut Session>, LinkError> {
+    ) -> Result<RemoteController<&mut Session>, LinkError> {
         let number = link::next_number(self.session.number());
-        let mind = RemoteMind::start(&mut self.session, number, config)?;
+        let mind = RemoteController::start(&mut self.session, number, config)?;
         let replaced = mind.replaced();
         // From the second episode on it has the state of the previous one.
         if std::mem::take(&mut self.first) && !replaced.is_empty() {

@@ -15,8 +15,8 @@ use files::error::BadInput;
 use rayon::prelude::*;
 use remote::link::Knowledge;
 use remote::log;
-use sim::episode::{self, Episode, Report, Setup};
-use sim::pilot::{InspectableController, Mind};
+use sim::episode::{self, Episode, EpisodeReport, Setup};
+use sim::pilot::{InspectableController, LocalController};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -185,7 +185,7 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), CliError> {
     }
     let began = std::time::Instant::now();
     let mut reports = Vec::new();
-    let mut print = |report: Report| {
+    let mut print = |report: EpisodeReport| {
         if args.json {
             return write_json(out, &report);
         }
@@ -208,7 +208,7 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), CliError> {
 }
 
 /// Receives the metrics of each world, in order.
-type Print<'p> = &'p mut dyn FnMut(Report) -> Result<(), CliError>;
+type Print<'p> = &'p mut dyn FnMut(EpisodeReport) -> Result<(), CliError>;
 
 fn in_parallel(
     args: &RunArgs,
@@ -221,7 +221,7 @@ fn in_parallel(
     for (number, chunk) in sources.chunks(CHUNK).enumerate() {
         let one = |(index, source): (usize, &WorldSource)| {
             let folder = folder(args, number * CHUNK + index, source, sources.len());
-            let mut mind = Mind::new(setup.config.clone());
+            let mut mind = LocalController::new(setup.config.clone());
             let report = episode(source, folder.as_deref(), |world| {
                 drive(world, setup, &mut mind, args.log.as_deref())
             })?;
@@ -290,8 +290,8 @@ fn folder(args: &RunArgs, index: usize, source: &WorldSource, count: usize) -> O
 fn episode(
     source: &WorldSource,
     folder: Option<&Path>,
-    run: impl FnOnce(&World) -> Result<Episode, sim::failure::Failure>,
-) -> Result<Report, BadInput> {
+    run: impl FnOnce(&World) -> Result<Episode, sim::error::EpisodeError>,
+) -> Result<EpisodeReport, BadInput> {
     let world = source.load()?;
     let episode = run(&world)
         .map_err(|failure| BadInput::new(format!("world {}: {failure}", world.name())))?;
@@ -307,14 +307,14 @@ pub(super) fn drive(
     setup: &Setup,
     mind: &mut impl InspectableController,
     log: Option<&Path>,
-) -> Result<Episode, sim::failure::Failure> {
+) -> Result<Episode, sim::error::EpisodeError> {
     match log {
         Some(path) => log::run(world, setup, mind, path),
         None => episode::run_with(world, setup, mind, |_, _, _| {}),
     }
 }
 
-fn write_json(out: &mut impl Write, report: &Report) -> Result<(), CliError> {
+fn write_json(out: &mut impl Write, report: &EpisodeReport) -> Result<(), CliError> {
     serde_json::to_writer(&mut *out, report).map_err(std::io::Error::from)?;
     Ok(out.write_all(b"\n")?)
 }

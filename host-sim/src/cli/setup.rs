@@ -6,9 +6,9 @@ use arena::robot::TurretMode;
 use arena::sonar::TransducerFault;
 use clap::Args;
 use files::error::BadInput;
+use sim::behavior::Behavior;
 use sim::episode::Setup;
 use sim::pilot::MAX_MOVES;
-use sim::scenes::Behavior;
 use sim::settings;
 
 /// Flags for a robot's behavior and its controller's options.

@@ -1,10 +1,10 @@
 //! Tables of episodes' metrics.
 
 use super::table::plain;
-use sim::episode::Report;
+use sim::episode::EpisodeReport;
 
 /// One episode as (label, value) rows.
-pub(super) fn rows(report: &Report) -> Vec<(String, String)> {
+pub(super) fn rows(report: &EpisodeReport) -> Vec<(String, String)> {
     let share = f64::from(report.goal_steps) / f64::from(report.steps.max(1)) * 100.0;
     let rows = [
         ("world", report.world.clone()),
@@ -39,7 +39,7 @@ pub(super) fn rows(report: &Report) -> Vec<(String, String)> {
 }
 
 /// The table of all worlds, with means if there are several.
-pub(super) fn table(reports: &[Report]) -> String {
+pub(super) fn table(reports: &[EpisodeReport]) -> String {
     let heads = [
         "world",
         "explore contacts",
@@ -81,7 +81,7 @@ pub(super) fn table(reports: &[Report]) -> String {
     plain(&heads, &rows, &right) + &tail
 }
 
-fn figures(report: &Report) -> [f64; 9] {
+fn figures(report: &EpisodeReport) -> [f64; 9] {
     [
         f64::from(report.explore_contacts),
         f64::from(report.contacts),

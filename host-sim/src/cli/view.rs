@@ -14,10 +14,10 @@ use std::io::Write;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
-use view::pace::SPEEDS;
+use view::playback_clock::SPEEDS;
 use view::{
-    Board, Door, NomadStart, PresetChoice, Recorded, ServeOptions, Simulator, Source, Start,
-    WatchedNomad, serve,
+    BoundServer, NomadStart, PresetChoice, ServeOptions, Simulator, SimulatorStart, ViewSource,
+    WatchedBoard, WatchedLog, WatchedNomad, serve,
 };
 
 const EXAMPLES: &str = "\
@@ -110,7 +110,7 @@ fn steering_timeout(text: &str) -> Result<SteeringTimeout, String> {
 /// # Errors
 /// Bad input, an address that cannot be bound, a controller that cannot be reached, a closed pipe.
 pub fn view(args: &ViewArgs, out: &mut impl Write) -> Result<(), CliError> {
-    let door = Door::open(args.listen, args.allow_remote)?;
+    let door = BoundServer::open(args.listen, args.allow_remote)?;
     let source = source(args)?;
     let ended = interrupt_flag()?;
     let [watch, steer] = door.addresses();
@@ -123,9 +123,9 @@ pub fn view(args: &ViewArgs, out: &mut impl Write) -> Result<(), CliError> {
     Ok(serve(door, source, options, ended)?)
 }
 
-fn source(args: &ViewArgs) -> Result<Box<dyn Source>, BadInput> {
+fn source(args: &ViewArgs) -> Result<Box<dyn ViewSource>, BadInput> {
     if let Some(path) = &args.replay {
-        return Ok(Box::new(Recorded::new(&log::read(path)?)?));
+        return Ok(Box::new(WatchedLog::new(&log::read(path)?)?));
     }
     match (&args.nomad, &args.board) {
         (Some(robot), _) => nomad(args, robot),
@@ -134,15 +134,15 @@ fn source(args: &ViewArgs) -> Result<Box<dyn Source>, BadInput> {
     }
 }
 
-fn board(args: &ViewArgs, address: &Address) -> Result<Box<dyn Source>, BadInput> {
+fn board(args: &ViewArgs, address: &Address) -> Result<Box<dyn ViewSource>, BadInput> {
     let task = args.setup.task();
     let session = open(address, &args.mind.emulation(), Clock::Device)?;
     let name = address.to_string();
-    let board = Board::new(session, name, task.explore, task.seed, &task.behavior);
+    let board = WatchedBoard::new(session, name, task.explore, task.seed, &task.behavior);
     Ok(Box::new(board.map_err(|error| named(address, &error))?))
 }
 
-fn nomad(args: &ViewArgs, robot: &RobotAddress) -> Result<Box<dyn Source>, BadInput> {
+fn nomad(args: &ViewArgs, robot: &RobotAddress) -> Result<Box<dyn ViewSource>, BadInput> {
     let task = args.setup.task();
     let config = held_turret_config(task)?;
     let host = robot.open()?;
@@ -163,14 +163,14 @@ fn nomad(args: &ViewArgs, robot: &RobotAddress) -> Result<Box<dyn Source>, BadIn
     })?))
 }
 
-fn simulator(args: &ViewArgs) -> Result<Box<dyn Source>, BadInput> {
+fn simulator(args: &ViewArgs) -> Result<Box<dyn ViewSource>, BadInput> {
     let start = start(args)?;
     let place = args.mind.place(start.setup.explore_moves)?;
     let log = args.log.as_deref();
     Ok(Box::new(Simulator::new(start, place, log)?))
 }
 
-fn start(args: &ViewArgs) -> Result<Start, BadInput> {
+fn start(args: &ViewArgs) -> Result<SimulatorStart, BadInput> {
     let sources = sources(std::slice::from_ref(&args.world))?;
     let [source] = sources.as_slice() else {
         return Err(BadInput::new(format!(
@@ -184,7 +184,7 @@ fn start(args: &ViewArgs) -> Result<Start, BadInput> {
         config: preset.config(),
         turret: preset.turret(),
     };
-    Ok(Start {
+    Ok(SimulatorStart {
         world: source.load()?,
         named: source.to_string(),
         setup: args.setup.setup()?,

@@ -1,43 +1,43 @@
-//! A board as a source: a mind whose ring and base are its own, at the end of a link.
+//! Shows a board: a controller with its own ring and base at the end of a link.
 //!
-//! Over the link it says its mode, its decisions and, asked, what it knows; it says neither where it is nor what each sonar
-//! has heard, so there is no arena. The session's clock is the board's: a link that falls silent stops the robot.
+//! The link carries the mode, the decisions and, on request, the maps; it carries neither pose nor
+//! ranges, so there is no arena. The session uses the board's clock: a silent link stops the robot.
 
-use super::choices::mind_file;
-use super::goal::Pursued;
-use super::order::{Done, Order};
-use super::seen::{Knowing, meters, millimeters, plan_seen, ring};
-use super::snapshot::{Counts, Now, Part, Scene, Short, Showable, Snapshot, Xy};
-use super::source::{Abilities, Refused, Source, Stepped};
-use super::trail::{Trail, mark};
-use amp::config::{Config, PlannerKind};
+mod parts;
+
+use super::command::{CommandOutcome, PageCommand};
+use super::configure::knowledge_file;
+use super::dto::KnowledgeParts;
+use super::goal::ActiveGoal;
+use super::history::{History, mark};
+use super::snapshot::{DriveCounts, PartMessage, SceneDto, Snapshot, SnapshotPart};
+use super::source::{Capabilities, CommandRefused, StepOutcome, ViewSource};
+use amp::config::Config;
 use amp::controller::Decision;
 use amp::fixed::Weight;
-use amp::planner::difference;
 use amp::scan::Situation;
-use amp::units::Displacement;
 use amp::wire::FromMind;
 use amp::wire::message::{self, GoalBy, ModeReport};
 use arena::world::Point;
 use files::hex::unhex;
 use remote::link::{Knowledge, LinkError, Session};
-use sim::episode::{Seeds, Stride};
+use sim::behavior::Behavior;
+use sim::episode::{Seeds, StepFlags};
 use sim::pilot::SimState;
-use sim::scenes::Behavior;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Time between two signs of life: a mind bears three times as long a silence.
-const ALIVE: Duration = Duration::from_millis(100);
+/// Interval of heartbeats: a third of the silence that a controller accepts.
+const HEARTBEAT: Duration = Duration::from_millis(100);
 
-/// Signs of life, which are not answered, between two questions whether the mind is still there.
-const CHECK: u32 = 10;
+/// Heartbeats between two queries of the mode. A heartbeat is not answered; a query is.
+const MODE_POLL: u32 = 10;
 
-/// So many questions in a row may remain without an answer before the board counts as lost.
+/// Unanswered queries in a row after which the board counts as lost.
 const MAX_SILENT: u32 = 3;
 
 /// A board that is watched and steered.
-pub struct Board {
+pub struct WatchedBoard {
     session: Session,
     name: String,
     config: Config<16>,
@@ -45,26 +45,26 @@ pub struct Board {
     explore_moves: u16,
     seed: u64,
     mode: ModeReport,
-    goal: Pursued,
+    goal: ActiveGoal,
     nest: Option<Situation<16>>,
     decision: Option<Decision<16>>,
     before: Option<Situation<16>>,
-    counts: Counts,
-    trail: Trail,
+    counts: DriveCounts,
+    trail: History,
     note: Option<String>,
     failure: Option<String>,
     checked: u32,
-    /// Questions in a row that were not answered in time.
+    /// Unanswered queries in a row.
     silent: u32,
     time_s: f64,
     revision: u64,
-    scene: Option<Arc<Part<Scene>>>,
-    knowing: Knowing,
+    scene: Option<Arc<SnapshotPart<SceneDto>>>,
+    knowledge: KnowledgeParts,
 }
 
-impl Board {
-    /// The mind at the end of an open session by its own clock, called so; it explores with so many moves, and pursues this. It
-    /// listens to sonars of its own; one that has none says so on the page.
+impl WatchedBoard {
+    /// Watches the controller at the end of an open session; `name` is its name in messages. Uses
+    /// the controller's own sonars; without any, a note on the page says so.
     ///
     /// # Errors
     /// [`LinkError`].
@@ -89,12 +89,12 @@ impl Board {
             explore_moves,
             seed,
             mode,
-            goal: Pursued::behavior(behavior),
+            goal: ActiveGoal::behavior(behavior),
             nest: None,
             decision: None,
             before: None,
-            counts: Counts::default(),
-            trail: Trail::latest(),
+            counts: DriveCounts::default(),
+            trail: History::latest(),
             note,
             failure: None,
             checked: 0,
@@ -102,26 +102,27 @@ impl Board {
             time_s: 0.0,
             revision: 0,
             scene: None,
-            knowing: Knowing::default(),
+            knowledge: KnowledgeParts::default(),
         })
     }
 
-    /// Listens for as long as a sign of life lasts. Returns whether something was decided.
+    /// Sends a heartbeat and receives reports for one interval. Returns whether a decision was
+    /// taken or the mode changed.
     fn listen(&mut self) -> Result<bool, LinkError> {
-        let until = Instant::now() + ALIVE;
+        let until = Instant::now() + HEARTBEAT;
         let at_ms = self.session.elapsed_ms();
-        self.session.alive(at_ms)?;
+        self.session.send_heartbeat(at_ms)?;
         let mut whole = false;
         while let Some(report) = self.session.next_report(until)? {
             whole |= self.take(&report.said);
         }
         self.checked += 1;
-        if self.checked.is_multiple_of(CHECK) {
+        if self.checked.is_multiple_of(MODE_POLL) {
             let mode = self.session.mode()?;
             whole |= self.change(mode);
         }
         if whole {
-            self.go_on()?;
+            self.advance_goal()?;
         }
         if whole && !self.moves() {
             self.fetch()?;
@@ -140,11 +141,11 @@ impl Board {
 
     fn change(&mut self, mode: ModeReport) -> bool {
         let before = std::mem::replace(&mut self.mode, mode);
-        // A mode that is only said again keeps its note.
+        // A repeated mode keeps its note.
         if before != mode {
             self.note = match mode {
                 ModeReport::Stopped(reason) => {
-                    Some(format!("It stands: {}", sim::failure::stop_reason(reason)))
+                    Some(format!("It stands: {}", sim::error::stop_reason(reason)))
                 }
                 _ => None,
             };
@@ -156,43 +157,43 @@ impl Board {
         self.nest.get_or_insert(decision.situation);
         self.before = self.decision.map(|before| before.situation);
         self.decision = Some(*decision);
-        let stride = Stride {
+        let flags = StepFlags {
             at_goal: decision.at_goal,
             shielded: decision.allowed != decision.wanted,
             touched: false,
             touched_by: false,
         };
         let neuron = decision.plan.map(|plan| usize::from(plan.current_neuron));
-        let seeks = neuron.is_some();
-        match seeks {
+        let seeking = neuron.is_some();
+        match seeking {
             true => self.counts.steps += 1,
             false => self.counts.explored[0] += 1,
         }
-        self.counts.at_goal += u32::from(seeks && stride.at_goal);
-        self.counts.shielded += u32::from(seeks && stride.shielded);
+        self.counts.at_goal += u32::from(seeking && flags.at_goal);
+        self.counts.shielded += u32::from(seeking && flags.shielded);
         let place = Point::default();
         self.trail
-            .push(mark(self.time_s, place, seeks, stride, neuron, None));
+            .push(mark(self.time_s, place, seeking, flags, neuron, None));
     }
 
-    /// Goes on to the next part of a chain when the present one is reached; after the last it stands.
-    fn go_on(&mut self) -> Result<(), LinkError> {
+    /// Starts the next part of a chain when the current one is reached; stops after the last.
+    fn advance_goal(&mut self) -> Result<(), LinkError> {
         if self.mode != ModeReport::Seek {
             return Ok(());
         }
-        match self.goal.go_on(self.counts.steps, self.counts.at_goal) {
+        match self.goal.advance(self.counts.steps, self.counts.at_goal) {
             None => Ok(()),
             Some(true) => self.pursue(),
-            Some(false) => self.order(message::Order::Stop),
+            Some(false) => self.send_command(message::Order::Stop),
         }
     }
 
-    /// Fetches what it knows.
+    /// Reads maps, memory and configuration.
     fn fetch(&mut self) -> Result<(), LinkError> {
         let knowledge = Knowledge::read(&mut self.session)?;
         *self.known = knowledge.state().clone();
         self.config = knowledge.config().clone();
-        self.knowing.forget();
+        self.knowledge.invalidate();
         Ok(())
     }
 
@@ -200,9 +201,9 @@ impl Board {
         !matches!(self.mode, ModeReport::Idle | ModeReport::Stopped(_))
     }
 
-    fn order(&mut self, order: message::Order<16>) -> Result<(), LinkError> {
+    fn send_command(&mut self, order: message::Order<16>) -> Result<(), LinkError> {
         let at_ms = self.session.elapsed_ms();
-        let reports = self.session.order(at_ms, order)?;
+        let reports = self.session.command(at_ms, order)?;
         let mut changed = false;
         for report in &reports {
             changed |= self.take(&report.said);
@@ -215,166 +216,101 @@ impl Board {
 
     fn pursue(&mut self) -> Result<(), LinkError> {
         let goal = self.goal.goal(&self.config, &self.nest());
-        self.order(message::Order::Goal(GoalBy::Components(goal)))?;
-        self.order(message::Order::Seek)
+        self.send_command(message::Order::Goal(GoalBy::Components(goal)))?;
+        self.send_command(message::Order::Seek)
     }
 
     fn nest(&self) -> Situation<16> {
         self.nest.unwrap_or([Weight::ZERO; 16])
     }
 
-    fn obey(&mut self, order: &Order) -> Result<Done, Refused> {
-        if self.mode == ModeReport::Learn && *order != Order::Stop {
+    fn execute_command(&mut self, command: &PageCommand) -> Result<CommandOutcome, CommandRefused> {
+        if self.mode == ModeReport::Learn && *command != PageCommand::Stop {
             return Err("it still learns".into());
         }
-        match order {
-            Order::Stop => self.order(message::Order::Stop)?,
-            Order::Explore => self.order(message::Order::Explore {
+        match command {
+            PageCommand::Stop => self.send_command(message::Order::Stop)?,
+            PageCommand::Explore => self.send_command(message::Order::Explore {
                 moves: self.explore_moves,
                 seed: Seeds::of(self.seed).exploration,
             })?,
-            Order::Learn => self.order(message::Order::Learn)?,
-            Order::Seek => {
+            PageCommand::Learn => self.send_command(message::Order::Learn)?,
+            PageCommand::Seek => {
                 self.goal.begin(self.counts.steps, self.counts.at_goal);
                 self.pursue()?;
             }
-            Order::Resume => self.order(message::Order::Resume)?,
-            Order::Behavior { .. } | Order::GoalNeuron { .. } | Order::GoalFile { .. } => {
+            PageCommand::Resume => self.send_command(message::Order::Resume)?,
+            PageCommand::Behavior { .. }
+            | PageCommand::GoalNeuron { .. }
+            | PageCommand::GoalFile { .. } => {
                 let known = Some(&*self.known).filter(|known| known.has_learned());
-                self.goal = Pursued::asked(order, (self.nest(), Point::default()), known)?;
+                self.goal =
+                    ActiveGoal::from_command(command, (self.nest(), Point::default()), known)?;
                 if self.mode == ModeReport::Seek {
-                    self.obey(&Order::Seek)?;
+                    self.execute_command(&PageCommand::Seek)?;
                 }
             }
-            Order::SaveMind => return Ok(mind_file(&self.config, &self.known)),
-            Order::LoadMind { hex } => {
-                let bytes = unhex(hex).ok_or("the file did not arrive whole")?;
-                Knowledge::from_bytes(&bytes)?.push(&mut self.session)?;
+            PageCommand::SaveMind => return Ok(knowledge_file(&self.config, &self.known)),
+            PageCommand::LoadMind { hex } => {
+                let bytes = unhex(hex).ok_or("the file is incomplete")?;
+                Knowledge::from_bytes(&bytes)?.upload(&mut self.session)?;
                 self.fetch()?;
                 self.scene = None;
             }
-            _ => return Err("that cannot be asked of a board".into()),
+            _ => return Err("a board cannot do that".into()),
         }
-        Ok(Done::Well)
-    }
-
-    fn scene(&mut self) -> Arc<Part<Scene>> {
-        if let Some(scene) = &self.scene {
-            return Arc::clone(scene);
-        }
-        let config = &self.config;
-        let names = Behavior::NAMES.iter().filter(|name| **name != "follow");
-        let about = |name: &&str| [(*name).to_owned(), Behavior::about(name).to_owned()];
-        let scene = Scene {
-            world: format!("board at {}", self.name),
-            near_far_m: [config.encoding.near_mm, config.encoding.far_mm].map(millimeters),
-            step_m: millimeters(config.robot.step_mm),
-            seed: self.seed.to_string(),
-            preset: "the board's own".to_owned(),
-            sonar: "the board's own".to_owned(),
-            turret: "as it is".to_owned(),
-            moves: self.explore_moves,
-            mind: self.name.clone(),
-            recalls: config.planning.planner == PlannerKind::Recall,
-            abilities: self.abilities(),
-            behaviors: names.map(about).collect(),
-            ..Scene::default()
-        };
-        let scene = Arc::new(Part::new("scene", 0, self.revision, scene));
-        self.scene = Some(Arc::clone(&scene));
-        scene
-    }
-
-    fn now(&self) -> Now {
-        let decision = self.decision;
-        let plan = decision.and_then(|decision| decision.plan);
-        let moved = |way: fn(&Decision<16>) -> Displacement| {
-            decision
-                .as_ref()
-                .map_or(Xy::default(), |it| meters(way(it)))
-        };
-        let changed = decision.zip(self.before);
-        let moves = f64::from(self.explore_moves.max(1));
-        let (mode, done) = match self.mode {
-            _ if self.failure.is_some() => ("failed", 0.0),
-            ModeReport::Idle => ("idle", 0.0),
-            ModeReport::Explore { left } => ("explore", 1.0 - f64::from(left) / moves),
-            ModeReport::Learn => ("learn", 0.5),
-            ModeReport::Seek => ("seek", 0.0),
-            ModeReport::Stopped(_) => ("stopped", 0.0),
-        };
-        Now {
-            time_s: Short(self.time_s),
-            mode,
-            why: self.failure.clone(),
-            note: self.note.clone(),
-            resumes: mode == "stopped",
-            done: Short(done),
-            on: std::array::from_fn(|sensor| self.config.enabled.contains(sensor)),
-            situation: decision.map_or_else(Default::default, |it| ring(&it.situation)),
-            changed: changed.map(|(now, before)| ring(&difference(&now.situation, &before))),
-            plan: plan.map(|plan| plan_seen(&plan, &self.known)),
-            wanted_m: moved(|decision| decision.wanted),
-            allowed_m: moved(|decision| decision.allowed),
-            goal: self.goal.seen(&self.config, &self.nest(), Point::default()),
-            counts: self.counts.clone(),
-            shield: self.config.shield.is_some(),
-            online: self.config.online.is_some(),
-            link: Some(self.name.clone()),
-            trail: self.trail.ends(),
-            ..Now::default()
-        }
+        Ok(CommandOutcome::Done)
     }
 }
 
-impl Source for Board {
-    fn abilities(&self) -> Abilities {
-        Abilities {
+impl ViewSource for WatchedBoard {
+    fn abilities(&self) -> Capabilities {
+        Capabilities {
             drive: true,
             save: true,
             load: true,
             unplaced: true,
-            ..Abilities::default()
+            ..Capabilities::default()
         }
     }
 
-    fn step(&mut self) -> Stepped {
+    fn step(&mut self) -> StepOutcome {
         if self.failure.is_some() {
-            return Stepped::Standing;
+            return StepOutcome::Idle;
         }
         let whole = match self.listen() {
             Ok(whole) => {
                 self.silent = 0;
                 whole
             }
-            // It may only be slow.
+            // The link may only be slow.
             Err(LinkError::Silent { .. }) if self.silent < MAX_SILENT => {
                 self.silent += 1;
                 false
             }
             Err(error) => {
                 self.failure = Some(format!("{}: {error}", self.name));
-                return Stepped::Standing;
+                return StepOutcome::Idle;
             }
         };
         let now_s = f64::from(self.session.elapsed_ms()) / 1e3;
         let took_s = now_s - std::mem::replace(&mut self.time_s, now_s);
-        Stepped::Took { took_s, whole }
+        StepOutcome::Took { took_s, whole }
     }
 
-    fn carry_out(&mut self, order: &Order) -> Result<Done, Refused> {
+    fn execute(&mut self, command: &PageCommand) -> Result<CommandOutcome, CommandRefused> {
         if let Some(why) = &self.failure {
             return Err(why.clone().into());
         }
-        self.obey(order)
+        self.execute_command(command)
     }
 
     fn snapshot(&mut self) -> Snapshot {
         self.revision += 1;
         let learned = self.known.has_learned();
-        let mut parts: Vec<Arc<dyn Showable>> = vec![self.scene()];
+        let mut parts: Vec<Arc<dyn PartMessage>> = vec![self.scene()];
         let (revision, known) = (self.revision, &self.known);
-        parts.extend(self.knowing.parts(revision, known, &self.config, learned));
+        parts.extend(self.knowledge.parts(revision, known, &self.config, learned));
         Snapshot {
             parts,
             now: Box::new(self.now()),
@@ -388,7 +324,7 @@ impl Source for Board {
         if self.failure.is_some() || !drives {
             return;
         }
-        match self.order(message::Order::Stop) {
+        match self.send_command(message::Order::Stop) {
             Ok(()) => {
                 let seconds = silence.as_secs_f64();
                 self.note = Some(format!(
@@ -399,12 +335,12 @@ impl Source for Board {
         }
     }
 
-    /// The robot stands.
+    /// Stops the robot.
     fn end(&mut self) -> Result<(), String> {
         if self.failure.is_some() || !self.moves() {
             return Ok(());
         }
-        let stopped = self.order(message::Order::Stop);
+        let stopped = self.send_command(message::Order::Stop);
         stopped.map_err(|error| format!("{}: {error}", self.name))
     }
 }

@@ -1,6 +1,7 @@
-//! The HTTP connections of the page: how many there are, and for how long.
+//! Limits number and age of the page's HTTP connections.
 //!
-//! A connection that becomes a WebSocket leaves this list; [`seat`](super::seat) bounds those.
+//! A connection that becomes a WebSocket leaves this list; [`control_lock`](super::control_lock)
+//! limits those.
 
 use axum::Router;
 use hyper::server::conn::http1;
@@ -12,20 +13,21 @@ use std::time::Duration;
 use tokio::net::{TcpListener, TcpStream};
 use tokio::task::AbortHandle;
 
-/// Most connections at a time. A browser needs two; the process may have some 1000 files and sockets in all.
+/// Maximum number of connections. A browser needs two; a process may have about 1000 files and
+/// sockets.
 const MAX_CONNECTIONS: usize = 128;
 
-/// Longest time until the whole head of a request has arrived.
+/// Time limit for the head of a request.
 const HEAD_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// Longest life of a connection: the page is 100 KB.
+/// Time limit for a connection; the page has 100 KB.
 const MAX_AGE: Duration = Duration::from_secs(30);
 
-/// Pause after a connection that could not be accepted, as when the process has no file left.
+/// Pause after a failed accept, for example without a free file descriptor.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(50);
 
-/// Serves the page until the task ends. When all places are taken, a new connection replaces an old one: a browser sends its
-/// request at once, so an old connection is likely to be idle.
+/// Serves the page until the task ends. If the limit is reached, a new connection replaces an old
+/// one, which is likely to be idle because a browser sends its request at once.
 pub(super) async fn serve(listener: TcpListener, router: Router) {
     let mut open: Vec<(IpAddr, AbortHandle)> = Vec::new();
     loop {
@@ -57,7 +59,8 @@ async fn serve_connection(stream: TcpStream, router: Router) {
     let _ = tokio::time::timeout(MAX_AGE, connection).await;
 }
 
-/// The first connection of the peer that has most; `peers` from the oldest to the newest.
+/// The oldest connection of the peer with the most connections; `peers` are ordered from old to
+/// new.
 fn oldest_of_busiest(peers: &[IpAddr]) -> Option<usize> {
     let count = |peer: &IpAddr| peers.iter().filter(|other| *other == peer).count();
     (0..peers.len()).max_by_key(|&index| (peers.get(index).map(count), Reverse(index)))

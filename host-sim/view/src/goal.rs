@@ -1,40 +1,40 @@
-//! What is pursued: a behavior by name, or a situation that was shown.
+//! The pursued goal: a behavior by name, or a situation.
 
-use super::order::{Done, File, Order};
-use super::source::Refused;
-use crate::snapshot::{GoalSeen, Short};
+use super::command::{CommandOutcome, PageCommand, PageFile};
+use super::source::CommandRefused;
+use crate::snapshot::{GoalDto, Rounded};
 use amp::config::Config;
 use amp::fixed::Weight;
 use amp::goal::{Goal, GoalFrame};
 use amp::scan::Situation;
 use arena::world::Point;
 use files::error::BadInput;
+use sim::behavior::{Behavior, is_reached};
 use sim::goal_file::{self, GoalFile};
 use sim::pilot::SimState;
-use sim::scenes::{Behavior, is_reached};
 
-/// A goal and where it came from.
+/// The goal and its origin.
 #[derive(Debug, Clone)]
-pub(super) struct Pursued {
-    what: What,
-    /// Part of a chain, and steps and goal steps when it was begun.
+pub(super) struct ActiveGoal {
+    what: GoalKind,
+    /// Part of a chain; steps and goal steps when it began.
     part: usize,
     begun: [u32; 2],
-    /// The last part of a chain has been reached.
+    /// The last part of a chain is reached.
     over: bool,
 }
 
 #[derive(Debug, Clone)]
-enum What {
+enum GoalKind {
     Behavior(Behavior),
-    /// A situation, what it is called, its neuron, and its place.
+    /// A situation with its name, neuron and place.
     Situation(Situation<16>, String, Option<usize>, Option<Point>),
-    /// Of a recording, nobody knows from where.
+    /// A goal of a recording, of unknown origin.
     Goal(Goal<16>),
 }
 
-impl Pursued {
-    fn new(what: What) -> Self {
+impl ActiveGoal {
+    fn new(what: GoalKind) -> Self {
         Self {
             what,
             part: 0,
@@ -44,33 +44,34 @@ impl Pursued {
     }
 
     pub fn behavior(behavior: &Behavior) -> Self {
-        Self::new(What::Behavior(behavior.clone()))
+        Self::new(GoalKind::Behavior(behavior.clone()))
     }
 
-    /// What a neuron of the situation map stands for.
+    /// The situation of a neuron.
     pub fn neuron(neuron: usize, code: Situation<16>) -> Self {
         let name = format!("neuron N{}", neuron + 1);
-        Self::new(What::Situation(code, name, Some(neuron), None))
+        Self::new(GoalKind::Situation(code, name, Some(neuron), None))
     }
 
-    /// What is perceived at a place.
+    /// A situation captured at a place.
     pub fn captured(situation: Situation<16>, place: Point) -> Self {
         let name = "captured here".to_owned();
-        Self::new(What::Situation(situation, name, None, Some(place)))
+        Self::new(GoalKind::Situation(situation, name, None, Some(place)))
     }
 
-    /// From a file.
+    /// The goal of a file.
     pub fn file(file: GoalFile) -> Self {
         Self::behavior(&Behavior::Seek(Box::new(file)))
     }
 
-    /// Begins with the first part, after so many steps of which a goal held in some.
+    /// Starts with the first part, at these counts of steps.
     pub fn begin(&mut self, steps: u32, goal_steps: u32) {
         (self.part, self.begun, self.over) = (0, [steps, goal_steps], false);
     }
 
-    /// Goes on to the next part of a chain if the present one is reached; `Some(false)` when it was the last.
-    pub fn go_on(&mut self, steps: u32, goal_steps: u32) -> Option<bool> {
+    /// Advances to the next part of a chain if the current one is reached; `Some(false)` after the
+    /// last.
+    pub fn advance(&mut self, steps: u32, goal_steps: u32) -> Option<bool> {
         let parts = self.as_behavior()?.parts();
         let chained = parts.len() > 1 && !self.over;
         let part = parts.get(self.part).filter(|_| chained)?;
@@ -87,49 +88,50 @@ impl Pursued {
         Some(true)
     }
 
-    /// What it is called.
+    /// Its name.
     pub fn name(&self) -> String {
         match &self.what {
-            What::Behavior(behavior) => behavior.name(),
-            What::Situation(_, name, ..) => name.clone(),
-            What::Goal(_) => "a situation".to_owned(),
+            GoalKind::Behavior(behavior) => behavior.name(),
+            GoalKind::Situation(_, name, ..) => name.clone(),
+            GoalKind::Goal(_) => "a situation".to_owned(),
         }
     }
 
     /// The behavior, if it is one.
     pub fn as_behavior(&self) -> Option<&Behavior> {
         match &self.what {
-            What::Behavior(behavior) => Some(behavior),
-            What::Situation(..) | What::Goal(_) => None,
+            GoalKind::Behavior(behavior) => Some(behavior),
+            GoalKind::Situation(..) | GoalKind::Goal(_) => None,
         }
     }
 
-    /// What an order makes the goal; `here` = what is perceived and where, `known` = the maps, if there are any.
+    /// The goal that a command sets. `here` is the current situation and place, `known` has the
+    /// maps, if there are any.
     ///
     /// # Errors
     /// Why it cannot be the goal.
-    pub fn asked(
-        order: &Order,
+    pub fn from_command(
+        command: &PageCommand,
         here: (Situation<16>, Point),
         known: Option<&SimState>,
-    ) -> Result<Self, Refused> {
-        Ok(match order {
-            Order::Behavior { name } => Self::behavior(&named(name)?),
-            Order::GoalNeuron { neuron } => {
+    ) -> Result<Self, CommandRefused> {
+        Ok(match command {
+            PageCommand::Behavior { name } => Self::behavior(&named(name)?),
+            PageCommand::GoalNeuron { neuron } => {
                 let known = known.ok_or("there are no maps yet: explore and learn first")?;
                 if *neuron >= known.situations().code().len() {
                     return Err(format!("there is no neuron {neuron}").into());
                 }
-                Self::neuron(*neuron, meant(known, *neuron))
+                Self::neuron(*neuron, neuron_situation(known, *neuron))
             }
-            Order::GoalHere => Self::captured(here.0, here.1),
-            Order::GoalFile { text } => Self::file(GoalFile::read(text, "goal.toml")?),
+            PageCommand::GoalHere => Self::captured(here.0, here.1),
+            PageCommand::GoalFile { text } => Self::file(GoalFile::read(text, "goal.toml")?),
             _ => return Err("that is no goal".into()),
         })
     }
 
-    /// Finds out what a goal of the mind is called.
-    pub fn recognized(
+    /// Finds the name of a controller's goal.
+    pub fn recognize(
         goal: &Goal<16>,
         config: &Config<16>,
         nest: &Situation<16>,
@@ -141,17 +143,18 @@ impl Pursued {
             return found;
         }
         let neurons = 0..known.situations().code().len();
-        let mut neurons = neurons.map(|neuron| Self::neuron(neuron, meant(known, neuron)));
+        let mut neurons =
+            neurons.map(|neuron| Self::neuron(neuron, neuron_situation(known, neuron)));
         let found = neurons.find(|neuron| neuron.goal(config, nest) == *goal);
-        found.unwrap_or_else(|| Self::new(What::Goal(*goal)))
+        found.unwrap_or_else(|| Self::new(GoalKind::Goal(*goal)))
     }
 
     /// The goal as a file.
     ///
     /// # Errors
-    /// Why it makes none.
-    pub fn save(&self, config: &Config<16>) -> Result<Done, Refused> {
-        let What::Situation(situation, _, _, place) = &self.what else {
+    /// Why there is none.
+    pub fn save(&self, config: &Config<16>) -> Result<CommandOutcome, CommandRefused> {
+        let GoalKind::Situation(situation, _, _, place) = &self.what else {
             return Err("this goal has a name, not a situation: it needs no file".into());
         };
         let Some(place) = place else {
@@ -164,58 +167,59 @@ impl Pursued {
             f64::from(encoding.near_mm) / 1e3,
             f64::from(encoding.far_mm) / 1e3
         );
-        Ok(Done::File(File {
+        Ok(CommandOutcome::File(PageFile {
             name: "goal.toml",
             text: Some(goal_file::text(situation, *place, &remark)),
             hex: None,
         }))
     }
 
-    /// The goal itself; `nest` is what was perceived before the first move.
+    /// The goal situation; `nest` is the situation before the first move.
     pub fn goal(&self, config: &Config<16>, nest: &Situation<16>) -> Goal<16> {
         match &self.what {
-            What::Behavior(behavior) => {
+            GoalKind::Behavior(behavior) => {
                 let part = behavior.parts().get(self.part);
                 part.unwrap_or(behavior).goal(config, nest)
             }
-            What::Situation(situation, ..) => Goal::perceived(situation),
-            What::Goal(goal) => *goal,
+            GoalKind::Situation(situation, ..) => Goal::perceived(situation),
+            GoalKind::Goal(goal) => *goal,
         }
     }
 
-    pub fn seen(&self, config: &Config<16>, nest: &Situation<16>, start: Point) -> GoalSeen {
+    pub fn to_dto(&self, config: &Config<16>, nest: &Situation<16>, start: Point) -> GoalDto {
         let goal = self.goal(config, nest);
         let asked = goal.components.iter().map(|component| {
-            let ends = [component.low, component.high].map(|end| Short(end.to_num()));
+            let ends = [component.low, component.high].map(|end| Rounded(end.to_num()));
             (component.weight > 0).then_some(ends)
         });
         let (neuron, place) = match &self.what {
-            What::Behavior(behavior) => (None, behavior.place(start)),
-            What::Situation(_, _, neuron, place) => (*neuron, *place),
-            What::Goal(_) => (None, None),
+            GoalKind::Behavior(behavior) => (None, behavior.place(start)),
+            GoalKind::Situation(_, _, neuron, place) => (*neuron, *place),
+            GoalKind::Goal(_) => (None, None),
         };
         let parts = self
             .as_behavior()
             .map_or(1, |behavior| behavior.parts().len());
-        GoalSeen {
+        GoalDto {
             name: self.name(),
             part: (parts > 1).then_some(self.part),
             asked: asked.collect(),
             travels: goal.frame == GoalFrame::Travel,
             neuron,
-            place: place.map(|place| [place.x, place.y].map(Short)),
+            place: place.map(|place| [place.x, place.y].map(Rounded)),
         }
     }
 }
 
-/// The situation a neuron stands for.
-fn meant(known: &SimState, neuron: usize) -> Situation<16> {
+/// The situation that a neuron stands for.
+fn neuron_situation(known: &SimState, neuron: usize) -> Situation<16> {
     let code = known.situations().code_vector(neuron);
     code.map(|value| value.clamp(Weight::ZERO, Weight::ONE))
 }
 
-/// A behavior of the menu, or a chain of them: no files, which are for whoever sits at this machine.
-fn named(name: &str) -> Result<Behavior, Refused> {
+/// A behavior of the menu or a chain of them. Files are not allowed: they belong to this machine's
+/// user.
+fn named(name: &str) -> Result<Behavior, CommandRefused> {
     let known = Behavior::NAMES;
     if let Some(unknown) = name.split(',').find(|part| !known.contains(part)) {
         return Err(BadInput::unknown("behavior", unknown, &known).into());

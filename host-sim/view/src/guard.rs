@@ -1,15 +1,15 @@
-//! Who is let in: requests that name this machine, from this very page, and the token to steer with.
+//! Admits requests by their `Host` and `Origin` headers, and checks the token.
 //!
-//! A page of another site may open a socket to any address, this machine included: the browser tells on it by the `Origin`
-//! header. It may also have a name of its own point here (DNS rebinding): then the `Host` header names it. So `Host` must be
-//! `localhost` or the number of an address, with this port, and `Origin`, where there is one, must be the same.
+//! A foreign page may open a socket to this machine, which `Origin` shows; by DNS rebinding its own
+//! name may lead here, which `Host` shows. So `Host` must be `localhost` or an address, with this
+//! port, and `Origin`, if present, must be the same.
 
 use std::net::{IpAddr, SocketAddr};
 
 /// Random bytes of a token.
 pub const TOKEN_BYTES: usize = 16;
 
-/// What must be shown to steer: new for each run.
+/// The secret for steering, new for each run.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Token(String);
 
@@ -20,13 +20,13 @@ impl Token {
         Self(files::hex::hex(&bytes))
     }
 
-    /// As it stands in the address.
+    /// The token as text in the address.
     #[must_use]
     pub fn as_str(&self) -> &str {
         &self.0
     }
 
-    /// Whether `shown` is this token; takes as long wherever they differ.
+    /// Compares in constant time.
     #[must_use]
     pub fn is(&self, shown: &str) -> bool {
         let pairs = self.0.bytes().zip(shown.bytes());
@@ -41,7 +41,8 @@ impl std::fmt::Debug for Token {
     }
 }
 
-/// Whether a request is for this server and from its own page. `host` and `origin` are the headers' texts.
+/// Whether a request is for this server and from its own page. `host` and `origin` are header
+/// values.
 #[must_use]
 pub fn admits(listening: SocketAddr, host: Option<&str>, origin: Option<&str>) -> bool {
     let Some(host) = host else { return false };

@@ -1,4 +1,4 @@
-//! The page, put together when the program is built: it asks for nothing else.
+//! The page as one document, assembled at compile time; it loads nothing else.
 
 /// The document.
 pub const PAGE: &str = concat!(
@@ -20,7 +20,7 @@ pub const PAGE: &str = concat!(
     "</script>\n</body>\n</html>\n",
 );
 
-/// What the page may do: its own script and style, its own socket, nothing else.
+/// Content security policy: only inline script and style, and the page's own socket.
 pub const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; \
 connect-src 'self'; img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
@@ -35,7 +35,7 @@ mod tests {
         for outside in ["http://", "https://", "@import", "url(", "import("] {
             assert!(!local.contains(outside), "{outside}");
         }
-        // What is shown is text, never markup.
+        // Values are shown as text, never as markup.
         for markup in ["innerHTML", "insertAdjacentHTML", "document.write", "eval("] {
             assert!(!local.contains(markup), "{markup}");
         }

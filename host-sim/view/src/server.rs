@@ -1,13 +1,13 @@
-//! The server: the page, the socket, the robot's thread.
+//! The web server: page, socket, and the robot's thread.
 
+use super::command::{CommandOutcome, PageCommand};
 use super::connections;
+use super::control_lock::ControlLock;
 use super::guard::{TOKEN_BYTES, Token, admits};
-use super::order::{Done, Order};
 use super::page::{PAGE, POLICY};
-use super::seat::Seat;
-use super::snapshot::Showable;
-use super::source::{Refused, Source};
-use super::stage::Stage;
+use super::runner::Runner;
+use super::snapshot::PartMessage;
+use super::source::{CommandRefused, ViewSource};
 use super::viewer;
 use axum::Router;
 use axum::extract::ws::WebSocketUpgrade;
@@ -24,59 +24,60 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use tokio::sync::{oneshot, watch};
 
-/// Most viewers without the token at a time.
+/// Maximum number of viewers without the token.
 const MAX_WATCHERS: usize = 100;
-/// Orders that may wait for the robot's thread.
-const MAX_ORDERS: usize = 64;
-/// Longest message of a viewer, bytes: a mind's file with a thousand samples, in hexadecimal, and room to spare.
-const LONGEST_MESSAGE: usize = 1 << 18;
+/// Maximum number of commands that wait for the robot's thread.
+const MAX_COMMANDS: usize = 64;
+/// Maximum size of a viewer's message, bytes: a controller file with a thousand samples in
+/// hexadecimal, with some reserve.
+const MAX_MESSAGE_BYTES: usize = 1 << 18;
 
 /// All parts of the latest snapshot.
-pub(super) type Parts = Arc<Vec<Arc<dyn Showable>>>;
+pub(super) type Parts = Arc<Vec<Arc<dyn PartMessage>>>;
 
-/// An order on its way to the robot's thread, and where its answer goes.
-pub(super) struct Asked {
-    pub order: Order,
-    pub answer: oneshot::Sender<Result<Done, Refused>>,
+/// A command on its way to the robot's thread, and the channel for its outcome.
+pub(super) struct PendingCommand {
+    pub command: PageCommand,
+    pub answer: oneshot::Sender<Result<CommandOutcome, CommandRefused>>,
 }
 
-/// What the viewers' tasks share.
-pub(super) struct Shared {
+/// State shared by the viewers' tasks.
+pub(super) struct ServerState {
     pub latest: watch::Receiver<Parts>,
-    pub orders: SyncSender<Asked>,
-    /// Counts the changes of the seat.
-    pub seating: watch::Sender<u64>,
+    pub commands: SyncSender<PendingCommand>,
+    /// Counts the changes of the control lock.
+    pub lock_changes: watch::Sender<u64>,
     listening: SocketAddr,
-    seat: Arc<Mutex<Seat>>,
+    lock: Arc<Mutex<ControlLock>>,
 }
 
-impl Shared {
-    pub fn seat(&self) -> MutexGuard<'_, Seat> {
-        lock(&self.seat)
+impl ServerState {
+    pub fn control_lock(&self) -> MutexGuard<'_, ControlLock> {
+        lock(&self.lock)
     }
 }
 
-fn lock(seat: &Mutex<Seat>) -> MutexGuard<'_, Seat> {
-    // A seat is whole between any two of its methods.
-    seat.lock().unwrap_or_else(PoisonError::into_inner)
+fn lock(lock: &Mutex<ControlLock>) -> MutexGuard<'_, ControlLock> {
+    // A panic leaves the lock valid: each method updates all of it.
+    lock.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// An open door: the address is taken, nobody is let in yet.
-pub struct Door {
+/// A server with a bound address that accepts no connection yet.
+pub struct BoundServer {
     listener: std::net::TcpListener,
     address: SocketAddr,
     token: Token,
 }
 
-impl Door {
-    /// Listens at an address; port 0 is any free one.
+impl BoundServer {
+    /// Binds an address; port 0 takes any free one.
     ///
     /// # Errors
-    /// When the address is in use or not this machine's, reaches beyond it without `remote`, or the system has no
-    /// randomness for the token.
+    /// When the address is in use or not local, is reachable from outside without `remote`, or
+    /// there is no randomness for the token.
     pub fn open(address: SocketAddr, remote: bool) -> Result<Self, BadInput> {
         let refuse = |why: String| BadInput::new(format!("--listen {address}: {why}"));
-        let risk = "whoever has the token steers";
+        let risk = "anyone with the token can steer";
         check_reach(&address.to_string(), &[address], remote, risk)?;
         let mut bytes = [0; TOKEN_BYTES];
         getrandom::fill(&mut bytes).map_err(|error| refuse(format!("no token: {error}")))?;
@@ -94,7 +95,7 @@ impl Door {
         })
     }
 
-    /// Where to watch, and where to watch and steer.
+    /// Addresses to watch, and to watch and steer.
     #[must_use]
     pub fn addresses(&self) -> [String; 2] {
         let watch = format!("http://{}/", self.address);
@@ -103,89 +104,97 @@ impl Door {
     }
 }
 
-/// How a source is served.
+/// Options of the server.
 #[derive(Debug, Clone, Copy)]
 pub struct ServeOptions {
-    /// Simulated seconds per second; `None` = as fast as it goes.
+    /// Simulated seconds per second; `None` = maximum.
     pub speed: Option<f64>,
-    /// A real robot stops when no page has steered for so long; `None` = never.
+    /// A real robot stops after this time without a steering page; `None` = never.
     pub steering_timeout: Option<Duration>,
 }
 
-/// Shows a source to whoever comes, until `ended` is raised.
+/// Serves a source until `ended` is set.
 ///
 /// # Errors
-/// When the system gives neither threads nor sockets, or the source cannot be brought to an end.
+/// When threads or sockets fail, or the source cannot be shut down.
 pub fn serve(
-    door: Door,
-    source: Box<dyn Source>,
+    door: BoundServer,
+    source: Box<dyn ViewSource>,
     options: ServeOptions,
     ended: Arc<AtomicBool>,
 ) -> Result<(), BadInput> {
     let refuse =
         |error: std::io::Error| BadInput::new(format!("the view cannot be served: {error}"));
-    let (orders, asked) = sync_channel(MAX_ORDERS);
+    let (commands, asked) = sync_channel(MAX_COMMANDS);
     let (show, latest) = watch::channel(Parts::default());
-    let stage = Stage::new(source, options.speed);
-    let seat = Arc::new(Mutex::new(Seat::new(door.token)));
-    let steering = Steering {
-        seat: Arc::clone(&seat),
+    let runner = Runner::new(source, options.speed);
+    let lock = Arc::new(Mutex::new(ControlLock::new(door.token)));
+    let steering = SteeringMonitor {
+        lock: Arc::clone(&lock),
         timeout: options.steering_timeout,
     };
     let (done, over) = oneshot::channel();
     let robot = std::thread::Builder::new().name("robot".to_owned());
     let robot = robot.spawn(move || {
-        let end = run(stage, &steering, &asked, &show, &ended);
-        // Whoever waits for it may be gone.
+        let end = run(runner, &steering, &asked, &show, &ended);
+        // The receiver may be gone.
         let _ = done.send(());
         end
     });
     let robot = robot.map_err(refuse)?;
-    let shared = Arc::new(Shared {
+    let shared = Arc::new(ServerState {
         latest,
-        orders,
-        seating: watch::channel(0).0,
+        commands,
+        lock_changes: watch::channel(0).0,
         listening: door.address,
-        seat,
+        lock,
     });
+    serve_pages(door.listener, shared, over).map_err(refuse)?;
+    // A panic there is a bug, and was already printed.
+    robot.join().unwrap_or(Ok(())).map_err(BadInput::new)
+}
+
+/// Serves the page and its sockets until the robot's thread is `over`.
+fn serve_pages(
+    listener: std::net::TcpListener,
+    shared: Arc<ServerState>,
+    over: oneshot::Receiver<()>,
+) -> std::io::Result<()> {
     let router = Router::new()
         .route("/", get(page))
         .route("/socket", get(socket))
         .with_state(shared);
     let mut runtime = tokio::runtime::Builder::new_current_thread();
-    let runtime = runtime.enable_all().build().map_err(refuse)?;
-    runtime.block_on(async {
-        let listener = tokio::net::TcpListener::from_std(door.listener).map_err(refuse)?;
+    runtime.enable_all().build()?.block_on(async {
+        let listener = tokio::net::TcpListener::from_std(listener)?;
         tokio::select! {
             () = connections::serve(listener, router) => {}
             _ = over => {}
         }
-        Ok::<_, BadInput>(())
-    })?;
-    // It cannot panic but by a mistake of its own, which has been said then.
-    robot.join().unwrap_or(Ok(())).map_err(BadInput::new)
+        Ok(())
+    })
 }
 
-/// The seat as the robot's thread sees it.
-struct Steering {
-    seat: Arc<Mutex<Seat>>,
+/// Checks the control lock in the robot's thread.
+struct SteeringMonitor {
+    lock: Arc<Mutex<ControlLock>>,
     timeout: Option<Duration>,
 }
 
-impl Steering {
+impl SteeringMonitor {
     /// The time-out, once after each time it has passed.
     fn lost(&self) -> Option<Duration> {
         let timeout = self.timeout?;
-        let lost = lock(&self.seat).becomes_unattended(Instant::now(), timeout);
+        let lost = lock(&self.lock).becomes_unattended(Instant::now(), timeout);
         lost.then_some(timeout)
     }
 }
 
-/// The robot's loop: the only place that looks at the clock.
+/// The robot's loop; only here the clock is read.
 fn run(
-    mut stage: Stage,
-    steering: &Steering,
-    asked: &Receiver<Asked>,
+    mut runner: Runner,
+    steering: &SteeringMonitor,
+    asked: &Receiver<PendingCommand>,
     show: &watch::Sender<Parts>,
     ended: &AtomicBool,
 ) -> Result<(), String> {
@@ -193,44 +202,45 @@ fn run(
     let mut watched = 0;
     loop {
         if ended.load(Ordering::Relaxed) {
-            return stage.end();
+            return runner.end();
         }
         if let Some(timeout) = steering.lost() {
-            stage.steering_lost(timeout);
+            runner.steering_lost(timeout);
         }
-        let next = stage.advance(began.elapsed());
+        let next = runner.advance(began.elapsed());
         let viewers = show.receiver_count() - 1;
         if viewers > watched {
-            stage.refresh();
+            runner.refresh();
         }
         watched = viewers;
         let mut until_shown = None;
         if viewers > 0 {
-            if let Some(snapshot) = stage.show(began.elapsed()) {
+            if let Some(snapshot) = runner.show(began.elapsed()) {
                 show.send_replace(Arc::new(snapshot.into_parts()));
             }
-            until_shown = stage.until_shown(began.elapsed());
+            until_shown = runner.until_shown(began.elapsed());
         }
-        // Even when nothing goes on somebody may come to watch.
+        // Also while idle, because a viewer may connect.
         let idle = Duration::from_millis(200);
         let wait = next
             .unwrap_or(idle)
             .min(until_shown.unwrap_or(idle))
             .min(idle);
-        let mut order = match asked.recv_timeout(wait) {
-            Ok(order) => Some(order),
-            Err(RecvTimeoutError::Timeout) => None,
-            Err(RecvTimeoutError::Disconnected) => return stage.end(),
-        };
-        while let Some(Asked {
-            order: what,
-            answer,
-        }) = order
-        {
-            // Whoever asked may be gone.
-            let _ = answer.send(stage.carry_out(&what));
-            order = asked.try_recv().ok();
+        match asked.recv_timeout(wait) {
+            Ok(command) => execute_all(&mut runner, command, asked),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return runner.end(),
         }
+    }
+}
+
+/// Executes a command and all that wait behind it.
+fn execute_all(runner: &mut Runner, first: PendingCommand, asked: &Receiver<PendingCommand>) {
+    let mut next = Some(first);
+    while let Some(PendingCommand { command, answer }) = next {
+        // The sender may be gone.
+        let _ = answer.send(runner.execute(&command));
+        next = asked.try_recv().ok();
     }
 }
 
@@ -242,7 +252,7 @@ const HEADERS: [(HeaderName, &str); 5] = [
     (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
 ];
 
-fn admitted(shared: &Shared, headers: &HeaderMap) -> Result<(), (StatusCode, &'static str)> {
+fn admitted(shared: &ServerState, headers: &HeaderMap) -> Result<(), (StatusCode, &'static str)> {
     let text = |name: HeaderName| headers.get(name).map(|value| value.to_str().unwrap_or(""));
     if admits(shared.listening, text(header::HOST), text(header::ORIGIN)) {
         return Ok(());
@@ -253,14 +263,14 @@ fn admitted(shared: &Shared, headers: &HeaderMap) -> Result<(), (StatusCode, &'s
     ))
 }
 
-async fn page(State(shared): State<Arc<Shared>>, headers: HeaderMap) -> Response {
+async fn page(State(shared): State<Arc<ServerState>>, headers: HeaderMap) -> Response {
     match admitted(&shared, &headers) {
         Ok(()) => (HEADERS, PAGE).into_response(),
         Err(refusal) => refusal.into_response(),
     }
 }
 
-async fn socket(State(shared): State<Arc<Shared>>, request: Request) -> Response {
+async fn socket(State(shared): State<Arc<ServerState>>, request: Request) -> Response {
     if let Err(refusal) = admitted(&shared, request.headers()) {
         return refusal.into_response();
     }
@@ -273,12 +283,12 @@ async fn socket(State(shared): State<Arc<Shared>>, request: Request) -> Response
     let token = query
         .split('&')
         .find_map(|pair| pair.strip_prefix("token="));
-    let Some(id) = shared.seat().enter(MAX_WATCHERS, token) else {
+    let Some(id) = shared.control_lock().add_viewer(MAX_WATCHERS, token) else {
         let why = "there are enough watchers: open the address with the token\n";
         return (StatusCode::SERVICE_UNAVAILABLE, why).into_response();
     };
-    let leaving = viewer::Leaving::new(Arc::clone(&shared), id);
+    let guard = viewer::ViewerGuard::new(Arc::clone(&shared), id);
     upgrade
-        .max_message_size(LONGEST_MESSAGE)
-        .on_upgrade(move |socket| viewer::attend(socket, shared, leaving))
+        .max_message_size(MAX_MESSAGE_BYTES)
+        .on_upgrade(move |socket| viewer::attend(socket, shared, guard))
 }

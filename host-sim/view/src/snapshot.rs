@@ -1,39 +1,42 @@
-//! What viewers are shown: plain values in meters, radians, seconds and map units, in parts that change one by one.
+//! The messages for viewers: plain values in meters, radians, seconds and map units.
+//!
+//! A snapshot consists of parts with the fields `part`, `index` and `value`; each part is sent when
+//! it has changed. All field names are part of the protocol.
 
-use super::source::Abilities;
+use super::source::Capabilities;
 use serde::{Serialize, Serializer};
 use std::sync::{Arc, OnceLock};
 
-/// Decisions in a piece of the trail.
+/// Decisions per chunk.
 pub const PIECE: usize = 64;
-/// Most pieces of the trail that are kept.
+/// Maximum number of chunks.
 pub const MAX_PIECES: usize = 100;
 
-/// A value with four decimals: below a tenth of a millimeter.
+/// A value that is sent with four decimals.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Short(pub f64);
+pub struct Rounded(pub f64);
 
-impl Serialize for Short {
+impl Serialize for Rounded {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let short = libm::rint(self.0 * 1e4) / 1e4;
         serializer.serialize_f64(short)
     }
 }
 
-impl From<f64> for Short {
+impl From<f64> for Rounded {
     fn from(value: f64) -> Self {
         Self(value)
     }
 }
 
 /// One value per transducer.
-pub type Ring = [Short; 16];
+pub type RingValues = [Rounded; 16];
 
-/// A place or a displacement, meters.
-pub type Xy = [Short; 2];
+/// A position or a displacement, meters.
+pub type Xy = [Rounded; 2];
 
-/// A part and how often it has changed.
-pub struct Part<T> {
+/// A part with its revision.
+pub struct SnapshotPart<T> {
     name: &'static str,
     index: u64,
     revision: u64,
@@ -41,8 +44,8 @@ pub struct Part<T> {
     text: OnceLock<Arc<str>>,
 }
 
-impl<T: Serialize> Part<T> {
-    /// A part; of one name and index a higher revision is newer.
+impl<T: Serialize> SnapshotPart<T> {
+    /// A part; a higher revision of the same name and index is newer.
     #[must_use]
     pub fn new(name: &'static str, index: u64, revision: u64, value: T) -> Self {
         Self {
@@ -55,17 +58,17 @@ impl<T: Serialize> Part<T> {
     }
 }
 
-/// Any part: what a viewer's task needs to know of it.
-pub trait Showable: Send + Sync {
+/// A part of any type, as a viewer's task needs it.
+pub trait PartMessage: Send + Sync {
     /// Name and index.
     fn key(&self) -> (&'static str, u64);
-    /// Rises when it changes.
+    /// Increases with each change.
     fn revision(&self) -> u64;
-    /// The message, made by the first who asks.
+    /// The JSON text, built on the first call.
     fn text(&self) -> Arc<str>;
 }
 
-impl<T: Serialize + Send + Sync> Showable for Part<T> {
+impl<T: Serialize + Send + Sync> PartMessage for SnapshotPart<T> {
     fn key(&self) -> (&'static str, u64) {
         (self.name, self.index)
     }
@@ -80,7 +83,7 @@ impl<T: Serialize + Send + Sync> Showable for Part<T> {
     }
 }
 
-/// A part's message.
+/// The JSON text of a part.
 pub fn message(part: &str, index: u64, value: &impl Serialize) -> String {
     #[derive(Serialize)]
     struct Message<'a, T> {
@@ -88,33 +91,44 @@ pub fn message(part: &str, index: u64, value: &impl Serialize) -> String {
         index: u64,
         value: &'a T,
     }
-    // Plain structs of numbers and texts are always JSON.
+    // Structs of numbers and texts always serialize.
     serde_json::to_string(&Message { part, index, value }).unwrap_or_default()
 }
 
-/// All there is to see at one moment.
+/// Everything that is visible at one time. Its messages are JSON texts over the WebSocket `/socket`,
+/// such as `{"part": "now", "index": 0, "value": {"time_s": 12.8, "mode": "seek"}}`:
+///
+/// | part | value | changes with |
+/// |---|---|---|
+/// | `scene` | [`SceneDto`]: world, ring, menus, abilities | the world |
+/// | `maps` | [`Maps`]: both maps, hits, U-matrices, best neurons of each sample | learning |
+/// | `memory` | [`MemoryRow`]s of the lazy memory | each sample |
+/// | `trail` | [`HistoryEntry`]s of the decisions, in chunks of 64 (`index`) | each decision |
+/// | `heard` | places of echoes, in chunks of 64, if the surroundings are not known | each echo |
+/// | `now` | [`LiveState`]: pose, ranges, situation, plan, goal, counts, clock, link | always |
+/// | `seat` | `{"you", "taken", "viewers"}`: the control lock | viewers and the lock |
 #[derive(Clone)]
 pub struct Snapshot {
-    /// What changes seldom.
-    pub parts: Vec<Arc<dyn Showable>>,
-    /// What changes always.
-    pub now: Box<Now>,
-    /// The decisions so far.
-    pub trail: Vec<Arc<dyn Showable>>,
-    /// Counts the snapshots.
+    /// Parts that change rarely.
+    pub parts: Vec<Arc<dyn PartMessage>>,
+    /// The part that always changes.
+    pub now: Box<LiveState>,
+    /// The history.
+    pub trail: Vec<Arc<dyn PartMessage>>,
+    /// Number of the snapshot.
     pub revision: u64,
 }
 
 impl Snapshot {
-    /// Says how time passes.
-    pub fn set_pace(&mut self, pace: PaceNow) {
+    /// Sets the state of the playback clock.
+    pub fn set_playback(&mut self, pace: PlaybackDto) {
         self.now.pace = pace;
     }
 
-    /// All its parts; the trail, which may be long for a newcomer, comes last.
+    /// All parts; the history comes last, because it may be long.
     #[must_use]
-    pub fn into_parts(self) -> Vec<Arc<dyn Showable>> {
-        let now = Part::new("now", 0, self.revision, *self.now);
+    pub fn into_parts(self) -> Vec<Arc<dyn PartMessage>> {
+        let now = SnapshotPart::new("now", 0, self.revision, *self.now);
         let mut parts = self.parts;
         parts.push(Arc::new(now));
         parts.extend(self.trail);
@@ -122,42 +136,42 @@ impl Snapshot {
     }
 }
 
-/// What changes seldom.
+/// Scene: changes rarely.
 #[derive(Debug, Clone, Default, Serialize)]
-pub struct Scene {
+pub struct SceneDto {
     /// Name of the world.
     pub world: String,
     /// Lower left and upper right corner of everything, meters.
     pub bounds: [Xy; 2],
-    /// What stands there.
-    pub shapes: Vec<ShapeSeen>,
-    /// Where the robot started.
+    /// Shapes of the world.
+    pub shapes: Vec<ShapeDto>,
+    /// Start position of the robot.
     pub start: Xy,
-    /// Radius of the disc that touches things, and of the transducers' faces, meters.
-    pub radii_m: [Short; 2],
+    /// Radii of the collision disc and of the transducers' faces, meters.
+    pub radii_m: [Rounded; 2],
     /// Half the angle of a transducer's cone, radians.
-    pub half_angle_rad: Short,
+    pub half_angle_rad: Rounded,
     /// Ranges at which a situation's value is 1 and 0, meters.
-    pub near_far_m: [Short; 2],
+    pub near_far_m: [Rounded; 2],
     /// Longest displacement, meters.
-    pub step_m: Short,
-    /// What it runs with.
+    pub step_m: Rounded,
+    /// Seed of all randomness.
     pub seed: String,
-    /// As above.
+    /// Name of the preset.
     pub preset: String,
-    /// As above.
+    /// Sonar model.
     pub sonar: String,
-    /// As above.
+    /// Turret mode.
     pub turret: String,
     /// Random moves of an exploration.
     pub moves: u16,
-    /// Where the mind runs.
+    /// Name of the controller.
     pub mind: String,
-    /// The paper's four steps find the action (else look-ahead does).
+    /// The action comes from the paper's four steps, not from look-ahead.
     pub recalls: bool,
-    /// What can be asked for.
-    pub abilities: Abilities,
-    /// Behaviors: name and what it does.
+    /// What the source can do.
+    pub abilities: Capabilities,
+    /// Behaviors: name and description.
     pub behaviors: Vec<[String; 2]>,
     /// Worlds to choose from.
     pub worlds: Vec<String>,
@@ -165,197 +179,197 @@ pub struct Scene {
     pub presets: Vec<String>,
 }
 
-/// A thing in the world.
+/// A shape of the world.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum ShapeSeen {
+pub enum ShapeDto {
     /// A chain of straight pieces.
     Wall(Vec<Xy>),
     /// The corners of a box, which can be moved.
     Box(Vec<Xy>),
     /// Center and radius of a post, which can be moved.
-    Circle(Xy, Short),
+    Circle(Xy, Rounded),
 }
 
-/// Both maps. Neurons row by row from the top.
+/// Both maps, with neurons row by row from the top.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Maps {
     /// Neurons along x and along y.
     pub grid: [usize; 2],
-    /// They have been learned.
+    /// The maps are learned.
     pub learned: bool,
     /// Situations.
-    pub situations: MapSeen,
+    pub situations: MapDto,
     /// Changes of situation.
-    pub changes: MapSeen,
+    pub changes: MapDto,
     /// Actions, meters in the ring's frame.
     pub actions_m: Vec<Xy>,
-    /// Per sample of the memory: the neurons that answer to it in either map.
+    /// Best neurons of each sample in both maps.
     pub rows: Vec<[usize; 2]>,
 }
 
-/// One codebook.
+/// A map.
 #[derive(Debug, Clone, Default, Serialize)]
-pub struct MapSeen {
+pub struct MapDto {
     /// Code vectors.
-    pub code: Vec<Vec<Short>>,
-    /// Samples of the memory each neuron answers to.
+    pub code: Vec<Vec<Rounded>>,
+    /// Number of samples per neuron.
     pub hits: Vec<u32>,
     /// Mean distance of each neuron to its direct neighbors.
-    pub u_matrix: Vec<Short>,
+    pub u_matrix: Vec<Rounded>,
 }
 
 /// A sample of the lazy memory.
 #[derive(Debug, Clone, Serialize)]
-pub struct Row {
-    /// Situation before, per transducer; none = not believed.
-    pub before: [Option<Short>; 16],
+pub struct MemoryRow {
+    /// Situation before, per transducer; `None` = disabled.
+    pub before: [Option<Rounded>; 16],
     /// Situation after.
-    pub after: [Option<Short>; 16],
-    /// Displacement carried out, meters in the ring's frame.
+    pub after: [Option<Rounded>; 16],
+    /// Executed displacement, meters in the ring's frame.
     pub moved_m: Xy,
 }
 
-/// One decision of the past: time, s; place, m; 0 = exploring, 1 = seeking; 1 = touched + 2 = shielded + 4 = the goal held;
-/// neuron of the situation, -1 = none; nearest range, m, -1 = nothing heard.
-pub type Mark = (Short, Short, Short, u8, u8, i16, Short);
+/// A past decision: time, s; place, m; 0 = exploring, 1 = seeking; flags 1 = touched, 2 = shielded,
+/// 4 = at the goal; neuron of the situation, -1 = none; nearest range, m, -1 = no echo.
+pub type HistoryEntry = (Rounded, Rounded, Rounded, u8, u8, i16, Rounded);
 
-/// What changes always.
+/// Live state: always changes.
 #[derive(Debug, Clone, Default, Serialize)]
-pub struct Now {
+pub struct LiveState {
     /// Simulated time, seconds.
-    pub time_s: Short,
+    pub time_s: Rounded,
     /// Duration of the latest step, seconds.
-    pub step_s: Short,
-    /// Where the robot is: x, y and the ring's bearing (m, rad).
-    pub pose: [Short; 3],
-    /// Where it was when the ring was heard.
-    pub heard_at: [Short; 3],
-    /// What it does: `idle`, `explore`, `learn`, `seek`, `stopped`, `failed`.
+    pub step_s: Rounded,
+    /// Pose: x, y and the ring's bearing (m, rad).
+    pub pose: [Rounded; 3],
+    /// Pose at the time of the ring.
+    pub heard_at: [Rounded; 3],
+    /// Mode: `idle`, `explore`, `learn`, `seek`, `stopped`, `failed`.
     pub mode: &'static str,
-    /// Why it failed.
+    /// Why the source failed.
     pub why: Option<String>,
-    /// What there is to say besides.
+    /// A remark.
     pub note: Option<String>,
-    /// What can be gone on with.
+    /// An interrupted activity can be resumed.
     pub resumes: bool,
-    /// How much of exploring or learning is done, 0 to 1.
-    pub done: Short,
+    /// Progress of exploring or learning, 0 to 1.
+    pub done: Rounded,
     /// Latest ranges, meters.
-    pub ranges_m: [Option<Short>; 16],
+    pub ranges_m: [Option<Rounded>; 16],
     /// Transducers that are on.
     pub on: [bool; 16],
-    /// The situation of the latest decision, or as perceived while standing.
-    pub situation: Ring,
-    /// What the latest move has changed.
-    pub changed: Option<Ring>,
-    /// How the latest decision came about.
-    pub plan: Option<PlanSeen>,
-    /// Displacement wanted and allowed by the shield, meters in the ring's frame.
+    /// Situation of the latest decision; the current one at rest.
+    pub situation: RingValues,
+    /// Change of situation by the latest move.
+    pub changed: Option<RingValues>,
+    /// Plan of the latest decision.
+    pub plan: Option<PlanDto>,
+    /// Wanted displacement, meters in the ring's frame.
     pub wanted_m: Xy,
-    /// As above.
+    /// Displacement after the shield, meters in the ring's frame.
     pub allowed_m: Xy,
     /// The latest step touched something.
     pub touched: bool,
     /// The goal.
-    pub goal: GoalSeen,
-    /// Counted since the start.
-    pub counts: Counts,
-    /// The sonars limit motion.
+    pub goal: GoalDto,
+    /// Counts since the start.
+    pub counts: DriveCounts,
+    /// The shield is on.
     pub shield: bool,
-    /// The maps go on learning while behaving.
+    /// Online learning is on.
     pub online: bool,
-    /// A robot that is followed.
+    /// Position of the leader.
     pub leader: Option<Xy>,
-    /// The ways to a mind or a robot elsewhere.
+    /// Addresses of a remote controller or robot.
     pub link: Option<String>,
-    /// How time passes.
-    pub pace: PaceNow,
-    /// First piece of the trail of this start that is kept, and last piece.
+    /// State of the playback clock.
+    pub pace: PlaybackDto,
+    /// First kept chunk of this start, and last chunk, of the history.
     pub trail: [u64; 2],
-    /// How many of the trail's decisions lie behind; none = all.
+    /// Number of decisions before the current position; `None` = all.
     pub at: Option<usize>,
-    /// First and last piece of the places where something was heard.
+    /// First and last chunk of the places of echoes.
     pub heard: [u64; 2],
 }
 
-/// How time passes.
+/// State of the playback clock.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
-pub struct PaceNow {
-    /// Simulated seconds per second; none = as fast as it goes.
+pub struct PlaybackDto {
+    /// Simulated seconds per second; `None` = maximum.
     pub speed: Option<f64>,
-    /// Time stands still.
+    /// Time is paused.
     pub paused: bool,
-    /// Nothing goes on.
+    /// The source is idle.
     pub standing: bool,
 }
 
 /// A plan (see [`amp::planner::Plan`]).
 #[derive(Debug, Clone, Default, Serialize)]
-pub struct PlanSeen {
-    /// Neuron that stands for the goal.
+pub struct PlanDto {
+    /// Goal neuron.
     pub goal: usize,
-    /// Neuron of the present situation.
+    /// Neuron of the current situation.
     pub current: usize,
-    /// Neuron aimed at, or expected.
+    /// Subgoal, or the expected neuron.
     pub intermediate: usize,
-    /// From the present neuron to the goal's over direct neighbors.
+    /// From the current neuron to the goal neuron over direct neighbors.
     pub walk: Vec<usize>,
-    /// Neuron of the action map that answers.
+    /// Best neuron of the action map.
     pub action: usize,
-    /// Change wanted (or expected, with look-ahead).
-    pub wanted: Ring,
-    /// Change the answering neuron knows.
-    pub known: Ring,
+    /// Wanted change, or the expected one with look-ahead.
+    pub wanted: RingValues,
+    /// Change stored in that neuron.
+    pub known: RingValues,
     /// The goal holds.
     pub at_goal: bool,
-    /// Why.
+    /// Reason, in words.
     pub why: String,
 }
 
 /// A goal.
 #[derive(Debug, Clone, Default, Serialize)]
-pub struct GoalSeen {
-    /// What it is called.
+pub struct GoalDto {
+    /// Its name.
     pub name: String,
-    /// Which part of a chain, from 0; none for what is no chain.
+    /// Index of the part of a chain; `None` for other goals.
     pub part: Option<usize>,
-    /// Least and greatest value asked of each transducer; none where any will do.
-    pub asked: Vec<Option<[Short; 2]>>,
-    /// Its components are counted from where the robot goes.
+    /// Bounds for each transducer; `None` = any value.
+    pub asked: Vec<Option<[Rounded; 2]>>,
+    /// Components count from the direction of travel.
     pub travels: bool,
-    /// The neuron whose situation it is.
+    /// The neuron of the situation.
     pub neuron: Option<usize>,
-    /// Where it was captured, if that is known.
+    /// Where it was captured, if known.
     pub place: Option<Xy>,
 }
 
-/// What is counted.
+/// Counts since the start.
 #[derive(Debug, Clone, Default, Serialize)]
-pub struct Counts {
-    /// Random moves, and how many of them touched something.
+pub struct DriveCounts {
+    /// Random moves, and those with a contact.
     pub explored: [u32; 2],
-    /// Decisions towards goals.
+    /// Decisions with a goal.
     pub steps: u32,
-    /// Of these, those that touched something.
+    /// Those with a contact.
     pub contacts: u32,
-    /// Those the shield shortened.
+    /// Those that the shield shortened.
     pub shielded: u32,
-    /// Those taken while the goal held.
+    /// Those at the goal.
     pub at_goal: u32,
-    /// Way, meters.
-    pub distance_m: Short,
-    /// Least gap to anything, meters.
-    pub clearance_m: Option<Short>,
-    /// Area swept, square meters, if its measure is known.
-    pub coverage_m2: Option<Short>,
+    /// Path length, meters.
+    pub distance_m: Rounded,
+    /// Least gap to any surface, meters.
+    pub clearance_m: Option<Rounded>,
+    /// Area swept, square meters, if known.
+    pub coverage_m2: Option<Rounded>,
 }
 
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
 
-    /// A snapshot of nothing.
+    /// A snapshot without content.
     pub fn empty() -> Snapshot {
         Snapshot {
             parts: Vec::new(),
@@ -367,7 +381,7 @@ pub(super) mod tests {
 
     #[test]
     fn a_part_is_a_message_with_four_decimals() {
-        let part = Part::new("x", 2, 3, [Short(1.234_56), Short(-0.000_01)]);
+        let part = SnapshotPart::new("x", 2, 3, [Rounded(1.234_56), Rounded(-0.000_01)]);
         assert_eq!(
             &*part.text(),
             r#"{"part":"x","index":2,"value":[1.2346,-0.0]}"#

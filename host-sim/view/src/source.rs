@@ -1,81 +1,81 @@
-//! What can be watched: a simulated robot, a real one, a recording.
+//! The interface of everything that the view can show: a simulated robot, a real one, a log.
 
 use super::Snapshot;
-use super::order::{Done, Order};
+use super::command::{CommandOutcome, PageCommand};
 use serde::Serialize;
 use std::time::Duration;
 
-/// What can be asked of a source; the page leaves out the rest.
+/// What a source can do; the page hides the rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-pub struct Abilities {
-    /// Explore, learn, seek, stop, resume, and goals.
+pub struct Capabilities {
+    /// Explore, learn, seek, stop, resume, and set goals.
     pub drive: bool,
-    /// Speed, pause, single steps.
+    /// Set the speed, pause, take single steps.
     pub pace: bool,
-    /// Obstacles and the robot can be moved.
+    /// Move obstacles and the robot.
     pub carry: bool,
-    /// A new start with another seed, world or preset.
+    /// Restart with another seed, world or preset.
     pub reset: bool,
-    /// Shield, learning while behaving, sonars.
+    /// Switch shield, online learning and sonars.
     pub configure: bool,
-    /// Knowledge as a file can be saved.
+    /// Save configuration and knowledge.
     pub save: bool,
-    /// Knowledge can be replaced by that of a file.
+    /// Load configuration and knowledge.
     pub load: bool,
-    /// Any decision can be gone to: a recording.
+    /// Jump to any decision, in a log.
     pub jump: bool,
-    /// Neither where the robot is nor what each sonar has heard is known.
+    /// The source has neither pose nor ranges.
     pub unplaced: bool,
 }
 
-/// Why an order was not carried out, in a sentence for the person who gave it.
+/// Why a command was refused, as a sentence.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Refused(pub String);
+pub struct CommandRefused(pub String);
 
-impl<T: std::fmt::Display> From<T> for Refused {
+impl<T: std::fmt::Display> From<T> for CommandRefused {
     fn from(why: T) -> Self {
         Self(why.to_string())
     }
 }
 
-/// What a step was.
+/// Outcome of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Stepped {
-    /// Nothing goes on: the robot stands and waits for an order.
-    Standing,
-    /// It took so long in the source's own time, seconds.
+pub enum StepOutcome {
+    /// Nothing happens before the next command.
+    Idle,
+    /// The step took some time.
     Took {
-        /// Seconds.
+        /// Duration in the source's own time, seconds.
         took_s: f64,
-        /// A decision was taken, or what went on has ended: a single step ends here.
+        /// A decision was taken or an activity has ended, which ends a single step.
         whole: bool,
     },
 }
 
-/// What can be watched. Knows neither clock nor viewers.
-pub trait Source: Send {
-    /// What can be asked of it.
-    fn abilities(&self) -> Abilities;
+/// Something to show. It has neither clock nor viewers.
+pub trait ViewSource: Send {
+    /// What it can do.
+    fn abilities(&self) -> Capabilities;
 
-    /// Goes on by its smallest step.
-    fn step(&mut self) -> Stepped;
+    /// Takes its smallest step.
+    fn step(&mut self) -> StepOutcome;
 
-    /// Carries out an order other than those of seat and pace.
+    /// Executes a command, other than those of control lock and clock.
     ///
     /// # Errors
-    /// Why it was not done; nothing has changed then.
-    fn carry_out(&mut self, order: &Order) -> Result<Done, Refused>;
+    /// Why it was refused; nothing has changed then.
+    fn execute(&mut self, command: &PageCommand) -> Result<CommandOutcome, CommandRefused>;
 
-    /// What there is to see.
+    /// The current snapshot.
     fn snapshot(&mut self) -> Snapshot;
 
-    /// No page has steered for `silence`: a real robot stops.
+    /// Reports that no page has steered for `silence`: a real robot stops.
     fn steering_lost(&mut self, _silence: Duration) {}
 
-    /// The program is about to end: a robot is told to stand, a log is closed.
+    /// Shuts down: stops the robot and closes the log.
     ///
     /// # Errors
-    /// What could not be done, in a sentence.
+    /// What failed, in a sentence.
     fn end(&mut self) -> Result<(), String> {
         Ok(())
     }

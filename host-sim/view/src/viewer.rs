@@ -1,8 +1,8 @@
-//! One viewer: what it is sent, and what it asks for.
+//! Serves one viewer: sends snapshots and receives commands.
 
-use super::order::{Done, Numbered, Order, Reply};
-use super::seat::{SeatError, ViewerId};
-use super::server::{Asked, Parts, Shared};
+use super::command::{CommandOutcome, NumberedCommand, PageCommand, Reply};
+use super::control_lock::{ControlLockError, ViewerId};
+use super::server::{Parts, PendingCommand, ServerState};
 use super::snapshot::message;
 use axum::extract::ws::{Message, WebSocket};
 use futures_util::stream::{SplitSink, SplitStream};
@@ -15,84 +15,87 @@ use std::time::{Duration, Instant};
 use tokio::sync::{mpsc, oneshot, watch};
 use tokio::time::MissedTickBehavior;
 
-/// A viewer that takes nothing for so long is dropped.
-const PATIENCE: Duration = Duration::from_secs(5);
+/// A viewer that does not read for this long is disconnected.
+const SEND_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// Time between two pings of the viewer that steers: a quarter of the shortest steering time-out.
+/// Interval of pings to the steering viewer: a quarter of the shortest steering time-out.
 const PING_EVERY: Duration = Duration::from_millis(250);
 
-/// Replies that may wait for a viewer.
+/// Maximum number of replies that wait for a viewer.
 const MAX_REPLIES: usize = 64;
 
-/// Gives up a viewer's place, however it ends.
-pub(super) struct Leaving {
-    shared: Arc<Shared>,
+/// Removes the viewer when dropped.
+pub(super) struct ViewerGuard {
+    shared: Arc<ServerState>,
     id: ViewerId,
 }
 
-impl Leaving {
-    pub fn new(shared: Arc<Shared>, id: ViewerId) -> Self {
-        let leaving = Self { shared, id };
-        leaving.tell_all();
-        leaving
+impl ViewerGuard {
+    pub fn new(shared: Arc<ServerState>, id: ViewerId) -> Self {
+        let guard = Self { shared, id };
+        guard.notify_viewers();
+        guard
     }
 
-    fn tell_all(&self) {
-        self.shared.seating.send_modify(|changes| *changes += 1);
+    fn notify_viewers(&self) {
+        self.shared
+            .lock_changes
+            .send_modify(|changes| *changes += 1);
     }
 }
 
-impl Drop for Leaving {
+impl Drop for ViewerGuard {
     fn drop(&mut self) {
-        self.shared.seat().leave(self.id);
-        self.tell_all();
+        self.shared.control_lock().remove_viewer(self.id);
+        self.notify_viewers();
     }
 }
 
-/// Serves a viewer until it goes.
-pub(super) async fn attend(socket: WebSocket, shared: Arc<Shared>, leaving: Leaving) {
+/// Serves a viewer until it disconnects.
+pub(super) async fn attend(socket: WebSocket, shared: Arc<ServerState>, guard: ViewerGuard) {
     let (outgoing, incoming) = socket.split();
     let (reply, replies) = mpsc::channel(MAX_REPLIES);
     let latest = shared.latest.clone();
-    let seating = shared.seating.subscribe();
-    // Whichever ends first ends the other; reading never waits for writing, so that a stop is always heard.
+    let lock_changes = shared.lock_changes.subscribe();
+    // The first task to end ends the other. Reading never waits for writing, so a stop is always
+    // received.
     tokio::select! {
-        () = tell(outgoing, &shared, leaving.id, latest, seating, replies) => {}
-        () = hear(incoming, &shared, &leaving, reply) => {}
+        () = send_updates(outgoing, &shared, guard.id, latest, lock_changes, replies) => {}
+        () = receive_commands(incoming, &shared, &guard, reply) => {}
     }
 }
 
 #[derive(Serialize)]
-struct SeatSeen {
+struct LockDto {
     you: bool,
     taken: bool,
     viewers: usize,
 }
 
-fn seat_seen(shared: &Shared, viewer: ViewerId) -> String {
-    let seat = shared.seat();
-    let seen = SeatSeen {
-        you: seat.steers(viewer),
-        taken: seat.is_taken(),
-        viewers: seat.viewers(),
+fn lock_dto(shared: &ServerState, viewer: ViewerId) -> String {
+    let lock = shared.control_lock();
+    let seen = LockDto {
+        you: lock.is_held_by(viewer),
+        taken: lock.is_held(),
+        viewers: lock.viewers(),
     };
     message("seat", 0, &seen)
 }
 
-/// Sends what has changed, always the latest.
-async fn tell(
+/// Sends changed parts, always the latest.
+async fn send_updates(
     mut outgoing: SplitSink<WebSocket, Message>,
-    shared: &Shared,
+    shared: &ServerState,
     viewer: ViewerId,
     mut latest: watch::Receiver<Parts>,
-    mut seating: watch::Receiver<u64>,
+    mut lock_changes: watch::Receiver<u64>,
     mut replies: mpsc::Receiver<Reply>,
 ) {
     let mut sent = HashMap::new();
     let mut pings = tokio::time::interval(PING_EVERY);
     pings.set_missed_tick_behavior(MissedTickBehavior::Delay);
     latest.mark_changed();
-    seating.mark_changed();
+    lock_changes.mark_changed();
     loop {
         let mut messages: Vec<Message> = Vec::new();
         let text = |text: String| Message::Text(text.into());
@@ -102,11 +105,11 @@ async fn tell(
                 Some(reply) => messages.push(text(serde_json::to_string(&reply).unwrap_or_default())),
                 None => return,
             },
-            changed = seating.changed() => match changed {
-                Ok(()) => messages.push(text(seat_seen(shared, viewer))),
+            changed = lock_changes.changed() => match changed {
+                Ok(()) => messages.push(text(lock_dto(shared, viewer))),
                 Err(_) => return,
             },
-            _ = pings.tick(), if shared.seat().steers(viewer) => {
+            _ = pings.tick(), if shared.control_lock().is_held_by(viewer) => {
                 messages.push(Message::Ping(Default::default()));
             }
             changed = latest.changed() => {
@@ -121,60 +124,78 @@ async fn tell(
                 sent.retain(|key, _| parts.iter().any(|part| part.key() == *key));
             }
         }
-        for message in messages {
-            let sending = outgoing.send(message);
-            if !matches!(tokio::time::timeout(PATIENCE, sending).await, Ok(Ok(()))) {
-                return;
-            }
-        }
-    }
-}
-
-/// Takes the viewer's orders.
-async fn hear(
-    mut incoming: SplitStream<WebSocket>,
-    shared: &Shared,
-    leaving: &Leaving,
-    reply: mpsc::Sender<Reply>,
-) {
-    while let Some(Ok(heard)) = incoming.next().await {
-        shared.seat().heard(leaving.id, Instant::now());
-        let text = match heard {
-            Message::Text(text) => text,
-            Message::Close(_) => return,
-            _ => continue,
-        };
-        let answer = match serde_json::from_str::<Numbered>(&text) {
-            Ok(Numbered { id, order }) => Reply::to(id, obey(shared, leaving, order).await),
-            Err(error) => Reply::to(0, Err(format!("that is no order: {error}"))),
-        };
-        if reply.try_send(answer).is_err() {
-            // It asks and does not listen.
+        if !send_all(&mut outgoing, messages).await {
             return;
         }
     }
 }
 
-async fn obey(shared: &Shared, leaving: &Leaving, order: Order) -> Result<Done, String> {
-    let viewer = leaving.id;
-    match &order {
-        Order::Steer { token, over } => {
-            let taken = shared.seat().take(viewer, token, *over, Instant::now());
-            leaving.tell_all();
-            return taken.map(|()| Done::Well).map_err(|why| why.to_string());
+/// Whether all messages could be sent in time.
+async fn send_all(outgoing: &mut SplitSink<WebSocket, Message>, messages: Vec<Message>) -> bool {
+    for message in messages {
+        let sending = tokio::time::timeout(SEND_TIMEOUT, outgoing.send(message));
+        if !matches!(sending.await, Ok(Ok(()))) {
+            return false;
         }
-        Order::Leave => {
-            shared.seat().rise(viewer);
-            leaving.tell_all();
-            return Ok(Done::Well);
+    }
+    true
+}
+
+/// Receives the viewer's commands.
+async fn receive_commands(
+    mut incoming: SplitStream<WebSocket>,
+    shared: &ServerState,
+    guard: &ViewerGuard,
+    reply: mpsc::Sender<Reply>,
+) {
+    while let Some(Ok(message)) = incoming.next().await {
+        shared.control_lock().refresh(guard.id, Instant::now());
+        let text = match message {
+            Message::Text(text) => text,
+            Message::Close(_) => return,
+            _ => continue,
+        };
+        let answer = match serde_json::from_str::<NumberedCommand>(&text) {
+            Ok(NumberedCommand { id, command }) => {
+                Reply::to(id, execute(shared, guard, command).await)
+            }
+            Err(error) => Reply::to(0, Err(format!("that is no command: {error}"))),
+        };
+        if reply.try_send(answer).is_err() {
+            // The viewer sends but does not read.
+            return;
         }
-        Order::Stop if shared.seat().may_stop(viewer) => {}
-        _ if shared.seat().steers(viewer) => {}
-        _ if shared.seat().is_taken() => return Err(SeatError::Taken.to_string()),
-        _ => return Err("you watch: take the seat to steer".to_owned()),
+    }
+}
+
+async fn execute(
+    shared: &ServerState,
+    guard: &ViewerGuard,
+    command: PageCommand,
+) -> Result<CommandOutcome, String> {
+    let viewer = guard.id;
+    match &command {
+        PageCommand::Steer { token, over } => {
+            let taken = shared
+                .control_lock()
+                .acquire(viewer, token, *over, Instant::now());
+            guard.notify_viewers();
+            return taken
+                .map(|()| CommandOutcome::Done)
+                .map_err(|why| why.to_string());
+        }
+        PageCommand::Leave => {
+            shared.control_lock().release(viewer);
+            guard.notify_viewers();
+            return Ok(CommandOutcome::Done);
+        }
+        PageCommand::Stop if shared.control_lock().may_stop(viewer) => {}
+        _ if shared.control_lock().is_held_by(viewer) => {}
+        _ if shared.control_lock().is_held() => return Err(ControlLockError::Taken.to_string()),
+        _ => return Err("you only watch: take control to steer".to_owned()),
     }
     let (answer, answered) = oneshot::channel();
-    match shared.orders.try_send(Asked { order, answer }) {
+    match shared.commands.try_send(PendingCommand { command, answer }) {
         Ok(()) => {}
         Err(TrySendError::Full(_)) => return Err("the robot is busy: try again".to_owned()),
         Err(TrySendError::Disconnected(_)) => return Err(GONE.to_owned()),

@@ -8,11 +8,13 @@ use super::{CampaignVerdict, below, generator};
 use amp::config::Config;
 use arena::sonar::SonarModel;
 use arena::world::{Point, Pose, Shape, World};
-use nomad200::bridge::{Plan, drive};
-use nomad200::{Command, Decoder, Host, Line, MAX_TO_ROBOT, Protocol, Simulated};
-use remote::link::{AnyMind, Local, MindPlace, Patience, Session, Transport};
-use remote::log::LoggedMind;
-use sim::scenes::Behavior;
+use nomad200::bridge::{BridgePlan, drive};
+use nomad200::{Decoder, Host, MAX_TO_ROBOT, NomadCommand, Protocol, RobotLine, SimulatedNomad};
+use remote::link::{
+    AnyController, ControllerPlace, InProcessNode, RetryPolicy, Session, Transport,
+};
+use remote::log::LoggedController;
+use sim::behavior::Behavior;
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -69,7 +71,7 @@ impl BridgeFailure {
 
 /// The robot and its observation.
 struct BridgeScene {
-    line: Line,
+    line: RobotLine,
     began: Instant,
     lived_ms: u32,
     /// Time from the start of the motors to the failure, ms.
@@ -90,9 +92,9 @@ impl BridgeScene {
     fn new(gone: BridgeFailure, after_ms: u32, seed: u64) -> Self {
         let walls = Shape::room(Point::new(4.0, 4.0));
         let world = World::new("hall", Pose::default(), vec![walls]).expect("a world");
-        let robot = Simulated::new(world, SonarModel::Ideal, seed);
+        let robot = SimulatedNomad::new(world, SonarModel::Ideal, seed);
         Self {
-            line: Line::new(robot, Protocol::Direct),
+            line: RobotLine::new(robot, Protocol::Direct),
             began: Instant::now(),
             lived_ms: 0,
             after_ms,
@@ -123,7 +125,7 @@ impl BridgeScene {
         self.lived_ms += 1;
         let robot = self.line.robot();
         let is_running = robot.state().motors != 0 || robot.state().velocity != [0; 3];
-        let way_m = robot.ledger().traveled_m;
+        let way_m = robot.ground_truth().traveled_m;
         self.ran_ms += u32::from(is_running);
         match self.moment {
             None if self.ran_ms > self.after_ms => self.moment = Some((self.lived_ms, way_m)),
@@ -142,7 +144,7 @@ impl BridgeScene {
     fn hear(&mut self, bytes: &[u8]) {
         let mut packets = Vec::new();
         self.decoder.push(bytes, &mut packets);
-        let is_stop = |packet| matches!(Command::from_packet(packet), Ok(Command::Stop));
+        let is_stop = |packet| matches!(NomadCommand::from_packet(packet), Ok(NomadCommand::Stop));
         if let Some((moment_ms, _)) = self.moment
             && packets.iter().any(is_stop)
         {
@@ -192,7 +194,7 @@ impl Transport for RobotLink {
 
 /// The link to the controller.
 struct ControllerLink {
-    mind: Local,
+    mind: InProcessNode,
     scene: Arc<Mutex<BridgeScene>>,
     is_over: Arc<AtomicBool>,
 }
@@ -242,18 +244,18 @@ fn try_it(gone: BridgeFailure, seed: u64, trial: u64) -> BridgeStop {
     let is_over = Arc::clone(&scene.is_over);
     let scene = Arc::new(Mutex::new(scene));
     let mut session = Session::new(ControllerLink {
-        mind: Local::new(config.clone()),
+        mind: InProcessNode::new(config.clone()),
         scene: Arc::clone(&scene),
         is_over: Arc::clone(&is_over),
     });
     // The bridge must wait longer for an answer than the base may move.
-    session.set_patience(Patience {
-        attempt: Duration::from_millis(GIVE_UP_MS.into()),
+    session.set_retry_policy(RetryPolicy {
+        timeout: Duration::from_millis(GIVE_UP_MS.into()),
         attempts: 1,
     });
-    let place = MindPlace::Link(Box::new(session), "a mind".to_owned());
-    let mind = AnyMind::new(&config, place).expect("a mind");
-    let plan = Plan {
+    let place = ControllerPlace::Link(Box::new(session), "a mind".to_owned());
+    let mind = AnyController::new(&config, place).expect("a mind");
+    let plan = BridgePlan {
         config,
         explore_moves: 100,
         steps: 1,
@@ -262,7 +264,13 @@ fn try_it(gone: BridgeFailure, seed: u64, trial: u64) -> BridgeStop {
         sonars_at_once: 16,
     };
     let host = Host::new(RobotLink(Arc::clone(&scene)));
-    let _ = drive(host, LoggedMind::new(mind, None), &plan, &is_over, |_| {});
+    let _ = drive(
+        host,
+        LoggedController::new(mind, None),
+        &plan,
+        &is_over,
+        |_| {},
+    );
     // Without a bridge the robot's time must not advance.
     let mut scene = look(&scene);
     while scene.stood.is_none() && scene.lived_ms < GIVE_UP_MS {

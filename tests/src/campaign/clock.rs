@@ -10,10 +10,10 @@ use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::World;
 use rayon::prelude::*;
+use sim::behavior::Behavior;
 use sim::episode::{Setup, run_with};
-use sim::failure::Failure;
-use sim::pilot::{InspectableController, Mind, Pilot, SimState};
-use sim::scenes::Behavior;
+use sim::error::EpisodeError;
+use sim::pilot::{InspectableController, LocalController, Pilot, SimState};
 
 /// Episodes of a full campaign.
 pub const COUNT: u64 = 1_000;
@@ -24,7 +24,7 @@ const SHORTEST_MS: usize = 120_000;
 
 /// A controller whose clock is ahead by `by`.
 pub(super) struct Shifted {
-    pub(super) mind: Mind,
+    pub(super) mind: LocalController,
     by: u32,
     /// Its decisions, if recorded.
     decisions: Option<Vec<Decision<16>>>,
@@ -37,7 +37,7 @@ pub(super) struct Shifted {
 impl Shifted {
     pub(super) fn new(config: Config<16>, by: u32) -> Self {
         Self {
-            mind: Mind::new(config),
+            mind: LocalController::new(config),
             by,
             decisions: None,
             latest: Millis::from_ms(by),
@@ -67,7 +67,7 @@ impl Pilot for Shifted {
 }
 
 impl InspectableController for Shifted {
-    fn knowledge(&mut self) -> Result<&SimState, Failure> {
+    fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
         self.mind.knowledge()
     }
 }
@@ -84,7 +84,7 @@ struct Compared {
 ///
 /// # Errors
 /// When a controller does not answer.
-pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Result<CampaignVerdict, Failure> {
+pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Result<CampaignVerdict, EpisodeError> {
     let one = |number| {
         let compared = compare(seed, number);
         progress(1);
@@ -114,7 +114,7 @@ fn setup(seed: u64, number: u64) -> Setup {
     }
 }
 
-fn compare(seed: u64, number: u64) -> Result<Compared, Failure> {
+fn compare(seed: u64, number: u64) -> Result<Compared, EpisodeError> {
     let setup = setup(seed, number);
     let world = World::random(setup.seed);
     let before_ms = 1 + below(&mut generator(seed, number), SHORTEST_MS) as u32;

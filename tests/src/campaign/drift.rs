@@ -14,10 +14,10 @@ use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::World;
 use rayon::prelude::*;
-use sim::episode::{Body, Metrics, Seeds, Setup, educate};
-use sim::failure::Failure;
+use sim::behavior::Behavior;
+use sim::episode::{Body, Metrics, Seeds, Setup, explore_and_learn};
+use sim::error::EpisodeError;
 use sim::pilot::{Pilot as _, SimState};
-use sim::scenes::Behavior;
 use sim::statistics::{Mean, bootstrap};
 
 /// Seeds of a full campaign.
@@ -59,13 +59,18 @@ pub fn run(
     hours: u32,
     sonar: SonarModel,
     progress: Progress<'_>,
-) -> Result<CampaignVerdict, Failure> {
+) -> Result<CampaignVerdict, EpisodeError> {
     let one = |number| day(seed.wrapping_add(number), hours, sonar, progress);
     let days: Result<Vec<_>, _> = (0..count).into_par_iter().map(one).collect();
     Ok(verdict(&days?, sonar))
 }
 
-fn day(seed: u64, hours: u32, sonar: SonarModel, progress: Progress<'_>) -> Result<Day, Failure> {
+fn day(
+    seed: u64,
+    hours: u32,
+    sonar: SonarModel,
+    progress: Progress<'_>,
+) -> Result<Day, EpisodeError> {
     let world = World::random(seed);
     let setup = Setup {
         config: Config::recommended(),
@@ -83,11 +88,11 @@ fn day(seed: u64, hours: u32, sonar: SonarModel, progress: Progress<'_>) -> Resu
     let half_ms = hours * 1_800_000;
     let mut mind = Shifted::new(setup.config.clone(), 0_u32.wrapping_sub(half_ms));
     let begin = mind.latest;
-    educate(&world, &setup, &mut mind)?;
+    explore_and_learn(&world, &setup, &mut mind)?;
     let samples = mind.mind.state().memory().clone();
     let mut body = set_down(&world, &setup, &mut mind, begin)?;
     let began_s = body.time_s();
-    let driven: Result<Vec<_>, Failure> = (1..=hours)
+    let driven: Result<Vec<_>, EpisodeError> = (1..=hours)
         .map(|hour| {
             let until_s = began_s + 3_600.0 * f64::from(hour);
             let mut driven = drive(&world, &mut mind, &mut body, until_s)?;
@@ -112,7 +117,7 @@ fn set_down<'w>(
     setup: &Setup,
     mind: &mut Shifted,
     begin: Millis,
-) -> Result<Body<'w>, Failure> {
+) -> Result<Body<'w>, EpisodeError> {
     let mut body = Body::new(
         world,
         setup.sonar,
@@ -122,7 +127,7 @@ fn set_down<'w>(
     body.wait(f64::from(mind.latest.since(begin)) / 1e3);
     for command in [Command::Stop, Command::Seek(Goal::avoiding(&setup.config))] {
         let refusal = mind.handle(body.now(), Event::Command(command)).refusal;
-        refusal.map(Failure::Refused).map_or(Ok(()), Err)?;
+        refusal.map(EpisodeError::Refused).map_or(Ok(()), Err)?;
     }
     Ok(body)
 }
@@ -132,7 +137,7 @@ fn drive(
     mind: &mut Shifted,
     body: &mut Body<'_>,
     until_s: f64,
-) -> Result<Hour, Failure> {
+) -> Result<Hour, EpisodeError> {
     let mut hour = Hour::default();
     let mut tally = Metrics::new(world);
     let mut touched = false;
@@ -156,7 +161,7 @@ fn drive(
     if seeks && hour.decisions > 0 {
         Ok(hour)
     } else {
-        Err(Failure::Silent)
+        Err(EpisodeError::Silent)
     }
 }
 

@@ -12,10 +12,10 @@ use arena::sonar::SonarModel;
 use arena::world::{Point, Pose, Shape, World};
 use files::error::BadInput;
 use rayon::prelude::*;
+use sim::behavior::Behavior;
 use sim::episode::{Setup, elsewhere, perceive, run as run_episode};
-use sim::failure::Failure;
+use sim::error::EpisodeError;
 use sim::goal_file::GoalFile;
-use sim::scenes::Behavior;
 use std::f64::consts::TAU;
 
 /// Cells: 8 behaviors, 2 sonar models, 2 turret modes.
@@ -115,7 +115,7 @@ fn episode(
     seed: u64,
     number: u64,
     config: &Config<16>,
-) -> Result<ShieldCell, Failure> {
+) -> Result<ShieldCell, EpisodeError> {
     let (behavior, sonar, turret) = parts(number);
     let seed = seed.wrapping_add(number / CELLS);
     let behavior = match name(behavior) {

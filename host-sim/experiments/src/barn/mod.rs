@@ -22,11 +22,11 @@ use arena::robot::{COLLISION_RADIUS_M, TurretMode};
 use arena::sonar::SonarModel;
 use arena::world::{Point, World};
 use files::error::BadInput;
+use sim::behavior::Behavior;
 use sim::episode::{self, Body, Seeds, Setup};
-use sim::failure::Failure;
-use sim::pilot::{Mind, Pilot};
-use sim::ring_pilot::{Perceived, Policy, RingPilot, STEP_M, Steered};
-use sim::scenes::Behavior;
+use sim::error::EpisodeError;
+use sim::pilot::{LocalController, Pilot};
+use sim::ring_pilot::{Perception, Policy, RingPilot, STEP_M, Steerable};
 
 /// A run succeeds within this distance of the goal, m.
 pub const REACHED_M: f64 = 1.0;
@@ -177,7 +177,7 @@ pub fn run(
 }
 
 /// A controller that has explored a random room and learned.
-fn trained_controller(rules: &RunConditions, seed: u64) -> Result<Mind, Failure> {
+fn trained_controller(rules: &RunConditions, seed: u64) -> Result<LocalController, EpisodeError> {
     let room = World::random(seed);
     let setup = Setup {
         config: rules.config.clone(),
@@ -192,12 +192,12 @@ fn trained_controller(rules: &RunConditions, seed: u64) -> Result<Mind, Failure>
         faults: Vec::new(),
         record: false,
     };
-    let mut mind = Mind::new(setup.config.clone());
-    episode::educate(&room, &setup, &mut mind)?;
+    let mut mind = LocalController::new(setup.config.clone());
+    episode::explore_and_learn(&room, &setup, &mut mind)?;
     Ok(mind)
 }
 
-fn drive<P: Steered>(goal: Point, mut body: Body<'_>, mut pilot: Homing<P>) -> Run {
+fn drive<P: Steerable>(goal: Point, mut body: Body<'_>, mut pilot: Homing<P>) -> Run {
     let mut places = Vec::new();
     let ended = |end, time_s, places| Run {
         end,
@@ -239,7 +239,7 @@ impl<P: Policy> Homing<P> {
     }
 }
 
-impl<P: Steered> Pilot for Homing<P> {
+impl<P: Steerable> Pilot for Homing<P> {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         if let Some(target) = self.target {
             let bearing = (target - self.pilot.pose().position).angle();
@@ -253,12 +253,12 @@ impl<P: Steered> Pilot for Homing<P> {
 struct StraightLine(f64);
 
 impl Policy for StraightLine {
-    fn decide(&mut self, perceived: &Perceived) -> Point {
+    fn decide(&mut self, perceived: &Perception) -> Point {
         Point::unit(self.0).turned_back(Point::unit(perceived.pose.heading)) * STEP_M
     }
 }
 
-impl Steered for StraightLine {
+impl Steerable for StraightLine {
     fn steer(&mut self, target: Option<f64>) {
         self.0 = target.unwrap_or(self.0);
     }

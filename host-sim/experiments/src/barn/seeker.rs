@@ -9,9 +9,9 @@ use amp::goal::Goal;
 use amp::planner::Planner;
 use amp::units::{Displacement, Range};
 use arena::world::Point;
-use sim::failure::Failure;
-use sim::pilot::{InspectableController as _, Mind, SimState};
-use sim::ring_pilot::{Perceived, Policy, Steered};
+use sim::error::EpisodeError;
+use sim::pilot::{InspectableController as _, LocalController, SimState};
+use sim::ring_pilot::{Perception, Policy, Steerable};
 
 /// Weights of the goal on the way.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,7 +49,11 @@ impl Seeker {
     ///
     /// # Errors
     /// When the controller cannot return its state.
-    pub fn new(mut mind: Mind, tuning: SeekerTuning, course: f64) -> Result<Self, Failure> {
+    pub fn new(
+        mut mind: LocalController,
+        tuning: SeekerTuning,
+        course: f64,
+    ) -> Result<Self, EpisodeError> {
         let config = mind.config().clone();
         let clearance = Range::from_mm((tuning.clearance_m * 1e3) as u16);
         let goal = Goal {
@@ -67,7 +71,7 @@ impl Seeker {
 }
 
 impl Policy for Seeker {
-    fn decide(&mut self, perceived: &Perceived) -> Point {
+    fn decide(&mut self, perceived: &Perception) -> Point {
         let encoding = self.config.encoding;
         let situation = perceived.ranges.map(|range| encoding.value(range));
         let heading = Point::unit(perceived.pose.heading);
@@ -93,7 +97,7 @@ impl Policy for Seeker {
     }
 }
 
-impl Steered for Seeker {
+impl Steerable for Seeker {
     fn steer(&mut self, target: Option<f64>) {
         self.target = target;
     }

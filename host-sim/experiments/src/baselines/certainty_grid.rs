@@ -6,7 +6,7 @@
 
 use arena::sonar::FACE_RADIUS_M;
 use arena::world::Point;
-use sim::ring_pilot::{Perceived, axis};
+use sim::ring_pilot::{Perception, axis};
 
 /// Side of a cell, m.
 pub const CELL_M: f64 = 0.1;
@@ -38,7 +38,7 @@ impl Default for CertaintyGrid {
 
 impl CertaintyGrid {
     /// Moves the window to the robot and adds a complete ring.
-    pub fn hear(&mut self, perceived: &Perceived) {
+    pub fn hear(&mut self, perceived: &Perception) {
         self.move_to(cell(perceived.pose.position));
         let heading = Point::unit(perceived.pose.heading);
         for sensor in 0..16 {
@@ -124,10 +124,10 @@ mod tests {
     use amp::units::{Bearing, Range};
     use arena::world::Pose;
 
-    fn at(place: Point, sensor: usize, range_mm: u16) -> Perceived {
+    fn at(place: Point, sensor: usize, range_mm: u16) -> Perception {
         let mut ranges = [None; 16];
         ranges[sensor] = Some(Range::from_mm(range_mm));
-        Perceived {
+        Perception {
             ranges,
             pose: Pose::new(place, 0.0),
             turned: Bearing::ZERO,

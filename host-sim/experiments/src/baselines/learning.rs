@@ -6,7 +6,7 @@
 
 use arena::noise::Noise;
 use arena::world::Point;
-use sim::ring_pilot::{Done, Perceived, Policy, STEP_M, axis};
+use sim::ring_pilot::{MotionOutcome, Perception, Policy, STEP_M, axis};
 use std::f64::consts::{PI, TAU};
 
 /// A situation: per transducer 1 = obstacle at its face, 0 = nothing within the far limit.
@@ -182,13 +182,13 @@ impl<L: Learner> LearnerDriver<L> {
         settled
     }
 
-    fn perceive(&self, perceived: &Perceived) -> Values {
+    fn perceive(&self, perceived: &Perception) -> Values {
         std::array::from_fn(|sensor| {
             (1.0 - perceived.range_m(sensor) / self.training.far_m).max(0.0)
         })
     }
 
-    fn learn(&mut self, before: &Values, done: &Done, after: &Values) {
+    fn learn(&mut self, before: &Values, done: &MotionOutcome, after: &Values) {
         let steps = 1.0 / STEP_M;
         let experience = Experience {
             before: *before,
@@ -237,7 +237,7 @@ impl<L: Learner> LearnerDriver<L> {
 }
 
 impl<L: Learner> Policy for LearnerDriver<L> {
-    fn decide(&mut self, perceived: &Perceived) -> Point {
+    fn decide(&mut self, perceived: &Perception) -> Point {
         let situation = self.perceive(perceived);
         if let (true, Some(before), Some(done)) = (self.learning, self.before, &perceived.last) {
             self.learn(&before, done, &situation);

@@ -7,7 +7,7 @@
 use arena::robot::COLLISION_RADIUS_M;
 use arena::sonar::FACE_RADIUS_M;
 use arena::world::Point;
-use sim::ring_pilot::{Perceived, Policy, STEP_M, Steered, axis};
+use sim::ring_pilot::{Perception, Policy, STEP_M, Steerable, axis};
 
 /// From a transducer's face to the edge of the collision disc, m.
 const RIM_M: f64 = COLLISION_RADIUS_M - FACE_RADIUS_M;
@@ -56,7 +56,7 @@ impl PotentialField {
     }
 
     /// The repelling force, in the ring's frame.
-    fn repulsion(&self, perceived: &Perceived) -> Point {
+    fn repulsion(&self, perceived: &Perception) -> Point {
         let mut sum = Point::default();
         for sensor in 0..16 {
             let distance = (perceived.range_m(sensor) - RIM_M).max(MIN_DISTANCE_M);
@@ -71,7 +71,7 @@ impl PotentialField {
 }
 
 impl Policy for PotentialField {
-    fn decide(&mut self, perceived: &Perceived) -> Point {
+    fn decide(&mut self, perceived: &Perception) -> Point {
         let heading = Point::unit(perceived.pose.heading);
         let attraction = Point::unit(self.target.unwrap_or(self.course));
         let force = self.repulsion(perceived).turned(heading) + attraction;
@@ -84,7 +84,7 @@ impl Policy for PotentialField {
     }
 }
 
-impl Steered for PotentialField {
+impl Steerable for PotentialField {
     fn steer(&mut self, target: Option<f64>) {
         self.target = target;
     }
@@ -102,10 +102,10 @@ mod tests {
         strength: 0.25,
     };
 
-    fn hearing(sensor: usize, range_mm: u16, heading: f64) -> Perceived {
+    fn hearing(sensor: usize, range_mm: u16, heading: f64) -> Perception {
         let mut ranges = [None; 16];
         ranges[sensor] = Some(Range::from_mm(range_mm));
-        Perceived {
+        Perception {
             ranges,
             pose: Pose::new(Point::default(), heading),
             turned: Bearing::ZERO,

@@ -2,7 +2,7 @@
 
 use arena::noise::Noise;
 use arena::world::Point;
-use sim::ring_pilot::{Perceived, Policy, STEP_M};
+use sim::ring_pilot::{Perception, Policy, STEP_M};
 use std::f64::consts::TAU;
 
 /// A robot that moves at random; bearing and length are uniform.
@@ -18,7 +18,7 @@ impl RandomMoves {
 }
 
 impl Policy for RandomMoves {
-    fn decide(&mut self, _: &Perceived) -> Point {
+    fn decide(&mut self, _: &Perception) -> Point {
         let bearing = self.0.uniform_in(0.0, TAU);
         Point::unit(bearing) * self.0.uniform_in(0.0, STEP_M)
     }
@@ -32,7 +32,7 @@ mod tests {
 
     #[test]
     fn moves_have_no_direction_and_half_the_step_on_average() {
-        let perceived = Perceived {
+        let perceived = Perception {
             ranges: [None; 16],
             pose: Pose::default(),
             turned: Bearing::ZERO,

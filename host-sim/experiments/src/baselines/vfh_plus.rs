@@ -6,7 +6,7 @@
 use super::certainty_grid::{CELL_M, CertaintyGrid, REACH_M, SIDE};
 use arena::robot::COLLISION_RADIUS_M;
 use arena::world::{Point, wrap_angle};
-use sim::ring_pilot::{Perceived, Policy, STEP_M, Steered};
+use sim::ring_pilot::{Perception, Policy, STEP_M, Steerable};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Sectors of the histograms, 5° each.
@@ -212,7 +212,7 @@ impl VfhPlus {
 }
 
 impl Policy for VfhPlus {
-    fn decide(&mut self, perceived: &Perceived) -> Point {
+    fn decide(&mut self, perceived: &Perception) -> Point {
         self.grid.hear(perceived);
         let obstacles = self.obstacles(perceived.pose.position);
         let primary = Self::primary(&obstacles);
@@ -233,7 +233,7 @@ impl Policy for VfhPlus {
     }
 }
 
-impl Steered for VfhPlus {
+impl Steerable for VfhPlus {
     fn steer(&mut self, target: Option<f64>) {
         self.target = target;
     }

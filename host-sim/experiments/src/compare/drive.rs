@@ -13,12 +13,12 @@ use arena::noise::Noise;
 use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::World;
+use sim::behavior::Behavior;
 use sim::braitenberg::Braitenberg;
 use sim::episode::{Body, Seeds, Setup, drive_pilot, run_with};
-use sim::failure::Failure;
-use sim::pilot::Mind;
+use sim::error::EpisodeError;
+use sim::pilot::LocalController;
 use sim::ring_pilot::{Policy, RingPilot};
-use sim::scenes::Behavior;
 use std::f64::consts::TAU;
 
 /// How a method is measured.
@@ -73,7 +73,7 @@ pub fn drive(
     world: &World,
     seed: u64,
     conditions: &Conditions,
-) -> Result<Vec<MethodOutcome>, Failure> {
+) -> Result<Vec<MethodOutcome>, EpisodeError> {
     let constants = candidate.constants;
     let place = MeasuredSite {
         world,
@@ -143,7 +143,7 @@ impl MeasuredSite<'_> {
         &self,
         policy: P,
         learning_contacts: u32,
-    ) -> Result<MethodOutcome, Failure> {
+    ) -> Result<MethodOutcome, EpisodeError> {
         let mut observer = ObservedDriver::new(self.pilot(policy), self.conditions.timed);
         let tally = drive_pilot(
             self.world,
@@ -162,7 +162,7 @@ impl MeasuredSite<'_> {
         })
     }
 
-    fn fixed<P: Policy>(&self, policy: P) -> Result<Vec<MethodOutcome>, Failure> {
+    fn fixed<P: Policy>(&self, policy: P) -> Result<Vec<MethodOutcome>, EpisodeError> {
         Ok(vec![self.measured(policy, 0)?])
     }
 
@@ -173,7 +173,7 @@ impl MeasuredSite<'_> {
         learner: L,
         training: LearnerTraining,
         budgets: &[u32],
-    ) -> Result<Vec<MethodOutcome>, Failure> {
+    ) -> Result<Vec<MethodOutcome>, EpisodeError> {
         let trainee = LearnerDriver::new(learner, training, self.seeds.exploration);
         let mut pilot = self.pilot(trainee);
         let mut body = self.body();
@@ -192,7 +192,7 @@ impl MeasuredSite<'_> {
         &self,
         (tuning, far_m): (nearest::NearestTuning, f64),
         budgets: &[u32],
-    ) -> Result<Vec<MethodOutcome>, Failure> {
+    ) -> Result<Vec<MethodOutcome>, EpisodeError> {
         let training = nearest::training(&tuning, far_m);
         self.train_and_measure(NearestSample::new(tuning), training, budgets)
     }
@@ -202,7 +202,7 @@ impl MeasuredSite<'_> {
         mut config: Config<16>,
         turret: TurretMode,
         seed: u64,
-    ) -> Result<Vec<MethodOutcome>, Failure> {
+    ) -> Result<Vec<MethodOutcome>, EpisodeError> {
         if !self.conditions.shield {
             config.shield = None;
         }
@@ -220,7 +220,7 @@ impl MeasuredSite<'_> {
             faults: Vec::new(),
             record: false,
         };
-        let mut observer = ObservedDriver::new(Mind::new(config), self.conditions.timed);
+        let mut observer = ObservedDriver::new(LocalController::new(config), self.conditions.timed);
         let report = run_with(self.world, &setup, &mut observer, |_, _, _| {})?.report;
         let state = observer.driver().state();
         let parts = [

@@ -115,7 +115,7 @@ impl FromStr for ComparedMethod {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Constants {
     /// Of the hand-written reference.
-    pub braitenberg: braitenberg::Tuning,
+    pub braitenberg: braitenberg::BraitenbergTuning,
     /// Of the potential field.
     pub potential_field: potential_field::PotentialFieldTuning,
     /// Of VFH+.
@@ -139,7 +139,7 @@ impl Constants {
     #[must_use]
     pub fn of(shield: bool) -> Self {
         Self {
-            braitenberg: braitenberg::Tuning::default(),
+            braitenberg: braitenberg::BraitenbergTuning::default(),
             potential_field: potential_field::PotentialFieldTuning::default(),
             vfh_plus: vfh_plus::VfhPlusTuning::of(shield),
             nearest_change: (nearest::NearestTuning::CHANGE, nearest::FAR_M),

@@ -15,7 +15,7 @@ pub use row::{ComparisonRow, Differences, MethodFigures};
 
 use arena::world::World;
 use rayon::prelude::*;
-use sim::failure::Failure;
+use sim::error::EpisodeError;
 
 /// What is compared.
 #[derive(Debug, Clone)]
@@ -56,7 +56,7 @@ impl ComparisonPlan {
 pub fn measure(
     plan: &ComparisonPlan,
     done: &(impl Fn() + Sync),
-) -> Result<Vec<ComparisonRow>, Failure> {
+) -> Result<Vec<ComparisonRow>, EpisodeError> {
     let mut rows = Vec::new();
     for conditions in &plan.conditions {
         let constants = Constants::of(conditions.shield);
@@ -77,7 +77,7 @@ pub fn measure(
                 let seeds = (0..plan.seeds).into_par_iter();
                 seeds.map(|seed| of_seed(world, seed)).collect()
             };
-            let measured: Result<Vec<Vec<Vec<MethodOutcome>>>, Failure> =
+            let measured: Result<Vec<Vec<Vec<MethodOutcome>>>, EpisodeError> =
                 plan.worlds.par_iter().map(of_world).collect();
             let measured = measured?;
             for (index, moves) in budgets.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use amp::controller::{Command, Event, Outputs};
 use amp::units::{Millis, Range};
-use sim::failure::Failure;
+use sim::error::EpisodeError;
 use sim::pilot::{InspectableController, Pilot, SimState};
 use std::time::{Duration, Instant};
 
@@ -93,13 +93,13 @@ impl<P: Pilot> Pilot for ObservedDriver<P> {
         outputs
     }
 
-    fn failure(&self) -> Option<Failure> {
+    fn failure(&self) -> Option<EpisodeError> {
         self.driver.failure()
     }
 }
 
 impl<P: InspectableController> InspectableController for ObservedDriver<P> {
-    fn knowledge(&mut self) -> Result<&SimState, Failure> {
+    fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
         self.driver.knowledge()
     }
 }
@@ -110,12 +110,12 @@ mod tests {
     use amp::controller::Progress;
     use amp::units::{Bearing, Displacement};
     use arena::world::Point;
-    use sim::ring_pilot::{Perceived, Policy, RingPilot};
+    use sim::ring_pilot::{Perception, Policy, RingPilot};
 
     struct Stand;
 
     impl Policy for Stand {
-        fn decide(&mut self, _: &Perceived) -> Point {
+        fn decide(&mut self, _: &Perception) -> Point {
             Point::default()
         }
     }

@@ -6,7 +6,7 @@ use super::drive::{Conditions, MethodOutcome, MethodUnderTest, drive};
 use super::method::{ComparedMethod, Constants};
 use arena::world::World;
 use rayon::prelude::*;
-use sim::failure::Failure;
+use sim::error::EpisodeError;
 
 /// A constant and the values it may take.
 pub struct TunedConstant {
@@ -224,7 +224,7 @@ impl ConstantSearch {
     ///
     /// # Errors
     /// When an episode fails.
-    pub fn score(&self, constants: &Constants) -> Result<f64, Failure> {
+    pub fn score(&self, constants: &Constants) -> Result<f64, EpisodeError> {
         let budgets = self.method.budgets(&[self.moves]);
         let candidate = MethodUnderTest {
             method: self.method,
@@ -232,7 +232,7 @@ impl ConstantSearch {
             budgets: budgets.get(..1).unwrap_or_default(),
         };
         let rooms = (FIRST_ROOM..FIRST_ROOM + u64::from(self.rooms)).into_par_iter();
-        let outcomes: Result<Vec<Vec<MethodOutcome>>, Failure> = rooms
+        let outcomes: Result<Vec<Vec<MethodOutcome>>, EpisodeError> = rooms
             .map(|room| drive(&candidate, &World::random(room), room, &self.conditions))
             .collect();
         let (mut contacts, mut distance, mut area) = (0.0, 0.0, 0.0);
@@ -256,7 +256,7 @@ impl ConstantSearch {
         &self,
         from: Constants,
         mut tried: impl FnMut(&str, f64, f64),
-    ) -> Result<Constants, Failure> {
+    ) -> Result<Constants, EpisodeError> {
         let (mut best, mut most) = (from, self.score(&from)?);
         tried("as it is", f64::NAN, most);
         for _ in 0..ROUNDS {

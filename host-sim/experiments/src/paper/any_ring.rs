@@ -198,9 +198,9 @@ impl<'w, const SENSORS: usize> AnyRing<'w, SENSORS> {
 mod tests {
     use super::*;
     use arena::sonar::SonarModel;
+    use sim::behavior::Behavior;
     use sim::episode::Seeds;
-    use sim::pilot::Mind;
-    use sim::scenes::Behavior;
+    use sim::pilot::LocalController;
 
     #[test]
     fn a_ring_of_16_remembers_what_the_nomad_does() {
@@ -226,7 +226,7 @@ mod tests {
             faults: Vec::new(),
             record: false,
         };
-        let mut mind = Mind::new(config);
+        let mut mind = LocalController::new(config);
         let episode = sim::episode::run_with(&world, &setup, &mut mind, |_, _, _| {});
         let report = episode.expect("an episode").report;
         assert_eq!(

@@ -11,10 +11,10 @@ use amp::memory::from_bytes;
 use amp::planner::Why;
 use amp::units::Displacement;
 use arena::world::World;
+use sim::behavior::Behavior;
 use sim::episode::run_with;
-use sim::failure::Failure;
+use sim::error::EpisodeError;
 use sim::pilot::SimState;
-use sim::scenes::Behavior;
 
 /// Decisions of an episode: several times the length of the path in Fig. 5.
 pub const STEPS: u32 = 300;
@@ -74,13 +74,13 @@ pub struct DecisionFigure {
 /// Finds the decision, in the arena of Fig. 5.
 ///
 /// # Errors
-/// When an episode fails; [`Failure::Silent`] when none of a hundred episodes has a decision that
+/// When an episode fails; [`EpisodeError::Silent`] when none of a hundred episodes has a decision that
 /// aims at a neighbor.
 pub fn decision(
     reading: &PaperReading,
     world: &World,
     seed: u64,
-) -> Result<DecisionFigure, Failure> {
+) -> Result<DecisionFigure, EpisodeError> {
     for seed in (0..EPISODES).map(|i| seed.wrapping_add(i)) {
         let setup = rooms::setup(reading, Behavior::Avoid, seed, STEPS);
         let run_observed = |keep_after| {
@@ -96,7 +96,7 @@ pub fn decision(
             return Ok(figure(reading, seed, chosen + 1, observed, state));
         }
     }
-    Err(Failure::Silent)
+    Err(EpisodeError::Silent)
 }
 
 /// The decision toward a neighbor with the largest values on the left; the first among equals.

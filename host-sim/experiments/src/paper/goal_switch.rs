@@ -8,10 +8,10 @@ use amp::scan::Situation;
 use amp::units::Millis;
 use arena::world::World;
 use rayon::prelude::*;
+use sim::behavior::Behavior;
 use sim::episode::run_with;
-use sim::failure::Failure;
-use sim::pilot::{InspectableController, Mind, Pilot, SimState};
-use sim::scenes::Behavior;
+use sim::error::EpisodeError;
+use sim::pilot::{InspectableController, LocalController, Pilot, SimState};
 
 /// A goal is changed at every 50th decision.
 const EVERY: usize = 50;
@@ -43,7 +43,7 @@ impl GoalSwitches {
 
 /// While a robot avoids, finds what it would do next with each of these goals.
 struct GoalSwitchProbe {
-    mind: Mind,
+    mind: LocalController,
     goals: Vec<Behavior>,
     /// Situation before the first move.
     nest: Option<Situation<16>>,
@@ -91,7 +91,7 @@ impl Pilot for GoalSwitchProbe {
 }
 
 impl InspectableController for GoalSwitchProbe {
-    fn knowledge(&mut self) -> Result<&SimState, Failure> {
+    fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
         self.mind.knowledge()
     }
 }
@@ -105,16 +105,16 @@ pub fn measure(
     names: &[&str],
     rooms: u32,
     seed: u64,
-) -> Result<Vec<GoalSwitches>, Failure> {
+) -> Result<Vec<GoalSwitches>, EpisodeError> {
     let goals: Vec<Behavior> = names.iter().filter_map(|name| name.parse().ok()).collect();
-    let answers: Result<Vec<_>, Failure> = (0..u64::from(rooms))
+    let answers: Result<Vec<_>, EpisodeError> = (0..u64::from(rooms))
         .into_par_iter()
         .map(|room| {
             let world = World::random(room.wrapping_add(1));
             let mut setup = setup(reading, Behavior::Avoid, seed.wrapping_add(room), STEPS);
             setup.record = false;
             let mut probe = GoalSwitchProbe {
-                mind: Mind::new(reading.config.clone()),
+                mind: LocalController::new(reading.config.clone()),
                 answers: vec![GoalSwitches::default(); goals.len()],
                 goals: goals.clone(),
                 nest: None,

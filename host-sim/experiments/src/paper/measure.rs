@@ -19,10 +19,10 @@ use arena::sonar::SonarModel;
 use arena::world::World;
 use files::error::BadInput;
 use rayon::prelude::*;
+use sim::behavior::Behavior;
 use sim::episode::run;
-use sim::failure::Failure;
+use sim::error::EpisodeError;
 use sim::recording::Recording;
-use sim::scenes::Behavior;
 
 /// Numbers of random moves for the measurement of avoidance.
 pub const FEWER_MOVES: [u16; 5] = [10, 25, 50, 100, 200];
@@ -95,7 +95,7 @@ pub struct Measured {
 #[derive(Debug)]
 pub enum MeasureError {
     /// An episode failed.
-    Episode(Failure),
+    Episode(EpisodeError),
     /// A world could not be built.
     World(BadInput),
 }
@@ -111,8 +111,8 @@ impl std::fmt::Display for MeasureError {
 
 impl std::error::Error for MeasureError {}
 
-impl From<Failure> for MeasureError {
-    fn from(failure: Failure) -> Self {
+impl From<EpisodeError> for MeasureError {
+    fn from(failure: EpisodeError) -> Self {
         Self::Episode(failure)
     }
 }
@@ -158,8 +158,8 @@ pub fn measure(size: Size, progress: &impl ProgressListener) -> Result<Measured,
 
 fn by_reading<T>(
     readings: &[PaperReading; 3],
-    one: impl Fn(&PaperReading) -> Result<T, Failure>,
-) -> Result<[T; 3], Failure> {
+    one: impl Fn(&PaperReading) -> Result<T, EpisodeError>,
+) -> Result<[T; 3], EpisodeError> {
     let [first, second, third] = readings;
     Ok([one(first)?, one(second)?, one(third)?])
 }
@@ -207,10 +207,10 @@ fn decisions(
     Ok([one(&readings[1])?, one(&readings[2])?])
 }
 
-fn episode(world: &World, reading: &PaperReading, seed: u64) -> Result<Recording, Failure> {
+fn episode(world: &World, reading: &PaperReading, seed: u64) -> Result<Recording, EpisodeError> {
     let setup = rooms::setup(reading, Behavior::Avoid, seed, decision::STEPS);
     let episode = run(world, &setup, |_, _, _| {})?;
-    episode.recording.ok_or(Failure::Silent)
+    episode.recording.ok_or(EpisodeError::Silent)
 }
 
 fn arena(size: Size, readings: &[PaperReading; 3]) -> Result<[Vec<Gaps>; 3], MeasureError> {
@@ -248,7 +248,7 @@ fn moves(
     size: Size,
     readings: &[PaperReading; 3],
     progress: &impl ProgressListener,
-) -> Result<Vec<[AblationFigures; 2]>, Failure> {
+) -> Result<Vec<[AblationFigures; 2]>, EpisodeError> {
     progress.begin("moves", 2 * FEWER_MOVES.len() as u64);
     let one = |reading: &PaperReading, moves| {
         let figures = ablation::measure(&variant(reading, reading.turret), &trial(size, moves));
@@ -261,11 +261,14 @@ fn moves(
         .collect()
 }
 
-fn following(size: Size, reading: &PaperReading) -> Result<AblationFigures, Failure> {
+fn following(size: Size, reading: &PaperReading) -> Result<AblationFigures, EpisodeError> {
     ablation::measure(&variant(reading, TurretMode::Follow), &trial(size, MOVES))
 }
 
-fn compared(size: Size, progress: &impl ProgressListener) -> Result<Vec<ComparisonRow>, Failure> {
+fn compared(
+    size: Size,
+    progress: &impl ProgressListener,
+) -> Result<Vec<ComparisonRow>, EpisodeError> {
     let plan = ComparisonPlan {
         worlds: (1..=u64::from(size.worlds)).map(World::random).collect(),
         first_seed: size.seed,
@@ -312,7 +315,7 @@ fn reached(
     size: Size,
     readings: &[PaperReading; 3],
     progress: &impl ProgressListener,
-) -> Result<Vec<SceneResult>, Failure> {
+) -> Result<Vec<SceneResult>, EpisodeError> {
     // Avoidance is measured in other rooms, and a distance is no success.
     let selected: Vec<_> = scenes()
         .filter(|scene| scene.behavior != "avoid" && scene.measure != "distance m")
@@ -332,7 +335,7 @@ fn repetitions(
     size: Size,
     reading: &PaperReading,
     progress: &impl ProgressListener,
-) -> Result<Vec<(&'static BehaviorScene, Curve)>, Failure> {
+) -> Result<Vec<(&'static BehaviorScene, Curve)>, EpisodeError> {
     // A perfect first result cannot improve; a chain already repeats its parts.
     let selected: Vec<_> = scenes()
         .filter(|scene| {

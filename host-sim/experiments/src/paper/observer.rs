@@ -7,8 +7,8 @@ use amp::goal::Goal;
 use amp::planner::Plan;
 use amp::scan::Situation;
 use amp::units::Millis;
-use sim::failure::Failure;
-use sim::pilot::{InspectableController, Mind, Pilot, SimState};
+use sim::error::EpisodeError;
+use sim::pilot::{InspectableController, LocalController, Pilot, SimState};
 
 /// One decision toward the goal.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,7 +27,7 @@ pub struct ObservedDecision {
 
 /// A controller with its observation.
 pub struct ObservedController {
-    mind: Mind,
+    mind: LocalController,
     /// Number of decisions after which [`ObservedController::later`] is copied.
     keep_after: usize,
     goal: Option<Goal<16>>,
@@ -44,7 +44,7 @@ impl ObservedController {
     #[must_use]
     pub fn new(config: Config<16>, keep_after: usize) -> Self {
         Self {
-            mind: Mind::new(config),
+            mind: LocalController::new(config),
             keep_after,
             goal: None,
             observed: Vec::new(),
@@ -89,7 +89,7 @@ impl Pilot for ObservedController {
 }
 
 impl InspectableController for ObservedController {
-    fn knowledge(&mut self) -> Result<&SimState, Failure> {
+    fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
         self.mind.knowledge()
     }
 }

@@ -107,7 +107,7 @@ mod tests {
     use super::*;
     use crate::paper::{observer::ObservedController, readings, rooms};
     use arena::world::World;
-    use sim::scenes::Behavior;
+    use sim::behavior::Behavior;
 
     #[test]
     fn maps_recall_what_they_have_learned_and_memory_knows_its_samples() {

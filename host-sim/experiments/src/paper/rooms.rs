@@ -12,10 +12,10 @@ use amp::scan::{Situation, rotated};
 use arena::sonar::SonarModel;
 use arena::world::World;
 use rayon::prelude::*;
-use sim::episode::{Report, Setup, run_with};
-use sim::failure::Failure;
+use sim::behavior::Behavior;
+use sim::episode::{EpisodeReport, Setup, run_with};
+use sim::error::EpisodeError;
 use sim::pilot::SimState;
-use sim::scenes::Behavior;
 
 /// Added to an episode's seed: draws random moves that its maps have not learned.
 const OTHER_MOVES: u64 = 1_000_000;
@@ -24,7 +24,7 @@ const OTHER_MOVES: u64 = 1_000_000;
 #[derive(Debug, Clone, PartialEq)]
 pub struct RoomResult {
     /// Metrics of the episode.
-    pub report: Report,
+    pub report: EpisodeReport,
     /// Outcome of its plans.
     pub plans: Plans,
     /// Paths over the situation map after the random moves.
@@ -69,7 +69,7 @@ pub fn measure(
     rooms: u32,
     seed: u64,
     done: &(impl Fn() + Sync),
-) -> Result<Vec<RoomResult>, Failure> {
+) -> Result<Vec<RoomResult>, EpisodeError> {
     (0..u64::from(rooms))
         .into_par_iter()
         .map(|room| {
@@ -81,7 +81,7 @@ pub fn measure(
         .collect()
 }
 
-fn one(reading: &PaperReading, world: &World, seed: u64) -> Result<RoomResult, Failure> {
+fn one(reading: &PaperReading, world: &World, seed: u64) -> Result<RoomResult, EpisodeError> {
     let half = STEPS as usize / 2;
     let setup = setup(reading, Behavior::Avoid, seed, STEPS);
     let mut observer = ObservedController::new(reading.config.clone(), half);
@@ -89,7 +89,7 @@ fn one(reading: &PaperReading, world: &World, seed: u64) -> Result<RoomResult, F
     let others = other_moves(&setup, world)?;
     let steps = episode.recording.map_or(Vec::new(), |r| r.seeking);
     let goal = Goal::avoiding(&reading.config);
-    let learned = observer.learned.as_deref().ok_or(Failure::Silent)?;
+    let learned = observer.learned.as_deref().ok_or(EpisodeError::Silent)?;
     let late = observer.observed.get(half..).unwrap_or_default();
     Ok(RoomResult {
         report: episode.report,
@@ -124,7 +124,7 @@ fn lessons(state: &SimState, reading: &PaperReading) -> Vec<Situation<16>> {
 }
 
 /// State of a controller after other random moves in the same room.
-fn other_moves(setup: &Setup, world: &World) -> Result<Box<SimState>, Failure> {
+fn other_moves(setup: &Setup, world: &World) -> Result<Box<SimState>, EpisodeError> {
     let other = Setup {
         seed: setup.seed.wrapping_add(OTHER_MOVES),
         steps: 1,
@@ -133,5 +133,5 @@ fn other_moves(setup: &Setup, world: &World) -> Result<Box<SimState>, Failure> {
     };
     let mut observer = ObservedController::new(other.config.clone(), 0);
     run_with(world, &other, &mut observer, |_, _, _| {})?;
-    observer.learned.ok_or(Failure::Silent)
+    observer.learned.ok_or(EpisodeError::Silent)
 }

@@ -10,7 +10,7 @@ use files::error::{BadInput, suggestion};
 use files::read_text;
 use files::toml_reader::TomlText;
 use serde::Deserialize;
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 use sim::settings::{SETTINGS, is_key};
 use std::ops::Range;
 use std::path::Path;

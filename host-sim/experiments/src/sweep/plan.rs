@@ -7,7 +7,7 @@ use super::points::Assignment;
 use super::results::ResultsHeader;
 use arena::loaders::WorldSource;
 use files::error::BadInput;
-use sim::episode::{Report, Setup};
+use sim::episode::{EpisodeReport, Setup};
 
 /// Meaning of a point's keys. The command line defines its flags; a sweep only passes them on.
 #[derive(Debug, Clone)]
@@ -93,7 +93,7 @@ impl SweepPlan {
             name,
             &hash.finish(),
             episodes,
-            keys.chain(Report::FIELDS.map(str::to_owned)),
+            keys.chain(EpisodeReport::FIELDS.map(str::to_owned)),
         );
         Ok(Self {
             description,
@@ -148,6 +148,6 @@ impl SweepPlan {
     pub fn setup(&self, place: EpisodeIndex) -> Result<Setup, BadInput> {
         let setup = (self.vocabulary.setup)(&self.description.points.choices(place.point))?;
         let behavior = self.description.behaviors.get(place.behavior).cloned();
-        Ok(setup.pursuing(behavior.unwrap_or(sim::scenes::Behavior::Avoid)))
+        Ok(setup.pursuing(behavior.unwrap_or(sim::behavior::Behavior::Avoid)))
     }
 }

@@ -6,7 +6,7 @@
 use super::Shard;
 use files::error::BadInput;
 use files::unreadable;
-use sim::episode::Report;
+use sim::episode::EpisodeReport;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, BufRead, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
@@ -134,7 +134,7 @@ pub fn number_of(row: &[u8]) -> Option<u64> {
 ///
 /// # Errors
 /// None in practice: CSV can hold every value.
-pub fn row(number: u64, cells: &[String], report: &Report) -> Result<Vec<u8>, csv::Error> {
+pub fn row(number: u64, cells: &[String], report: &EpisodeReport) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::WriterBuilder::new()
         .has_headers(false)
         .from_writer(Vec::new());

@@ -9,7 +9,7 @@ use arena::world::World;
 use files::error::BadInput;
 use rayon::ThreadPool;
 use sim::episode::{self, Setup};
-use sim::pilot::Mind;
+use sim::pilot::LocalController;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
@@ -148,7 +148,7 @@ impl EpisodeJob {
             seed,
             ..(*shared.setup).clone()
         };
-        let mut mind = Mind::new(setup.config.clone());
+        let mut mind = LocalController::new(setup.config.clone());
         let episode = episode::run_with(world, &setup, &mut mind, |_, _, _| {});
         let report = episode.map_err(|failure| of_episode(&failure))?.report;
         row(number, &shared.cells, &report).map_err(|error| of_episode(&error))

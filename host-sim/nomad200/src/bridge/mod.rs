@@ -1,100 +1,96 @@
-//! A mind drives a Nomad: its sonars and its odometry become the mind's events, the mind's motions its commands.
+//! A bridge: the controller drives a Nomad 200 over the robot's own protocol.
 //!
-//! Two threads. One asks the robot for its state, again and again, and drives its motors (`course`); it is never kept
-//! waiting. The other has the mind (`thinking`), which may be in this process or at the end of a slow line. What has
-//! happened meanwhile goes to the mind in the order in which it happened (`feed`): each echo with the pose the robot had
-//! when it was heard, by the clock of the robot's own sensor board.
-//!
-//! The turret is never told to turn, and so keeps its bearing in the world.
-//!
-//! What stops the base: a bumper; a mind that has not confirmed for [`MOTION_TTL_MS`](amp::node::MOTION_TTL_MS) what was reported to it while the
-//! base moves (the motion is cut off and counts as ended); a mind that fails; an interruption. If this program itself is
-//! gone, the base's own time-out of one second does (`conf_tm`), and no motion is longer than a step of the mind.
+//! One thread polls the robot and drives its motors, and never waits for the controller. The other,
+//! the worker, runs the controller. The turret never turns. A bumper, a lost controller and an
+//! unconfirmed report stop the base; if this program ends, the base's own time-out of one second
+//! does.
 
-mod course;
-mod driven;
-mod feed;
-mod reins;
-mod thinking;
+mod events;
+mod motion_control;
+mod report;
+mod session;
+mod worker;
 
-pub use driven::{Driven, Plan, Trouble};
-pub use reins::{At, Reins};
-pub use thinking::{About, Thought};
+pub use report::{BridgeError, BridgePlan, BridgeReport};
+pub use session::{Activity, BridgeSession};
+pub use worker::{ResultKind, WorkerResult};
 
-use super::{Host, Mask, WITH_SONAR};
+use super::{Host, StateMask, WITH_SONAR};
 use amp::controller::{self, Outputs, Progress};
 use amp::fixed::Weight;
 use amp::scan::Situation;
-use reins::refused;
-use remote::log::LoggedMind;
+use remote::log::LoggedController;
+use session::refused;
+use sim::behavior::is_reached;
 use sim::episode::{Seeds, rounded};
-use sim::failure::Failure;
-use sim::scenes::is_reached;
+use sim::error::EpisodeError;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Time between two questions to the robot: a fraction of a firing slot, also at twenty times real time.
-pub const PAUSE: Duration = Duration::from_millis(2);
+/// Interval of polls: a fraction of a firing slot, also at twenty times real time.
+pub const POLL_INTERVAL: Duration = Duration::from_millis(2);
 
-/// The step under way.
+/// Flags of the current step.
 #[derive(Debug, Clone, Copy, Default)]
-struct Stride {
+struct BridgeStep {
     at_goal: bool,
     shielded: bool,
     touched: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Phase {
+enum BridgePhase {
     Explore,
     Learn,
-    /// Part of the behavior, and steps and goal steps when it began.
+    /// Index of the part of the behavior; steps and goal steps when it began.
     Seek(usize, u32, u32),
     Over,
 }
 
-/// Lets a mind drive the robot of `host`. `progress` hears how many moves and steps are done. Whatever happens, the base
-/// is told to stop in the end; what was driven is returned beside the trouble.
+/// Lets a controller drive the robot of `host`. `progress` is called with the number of moves and
+/// steps. The base always stops at the end; the report covers what was driven before an error.
 pub fn drive(
     host: Host,
-    mind: LoggedMind,
-    plan: &Plan,
+    controller: LoggedController,
+    plan: &BridgePlan,
     interrupted: &AtomicBool,
     progress: impl FnMut(u32),
-) -> (Driven, Result<(), Trouble>) {
-    let reins = match Reins::take(host, mind, &plan.config, plan.sonars_at_once) {
-        Ok(reins) => reins,
-        Err(trouble) => return (Driven::default(), Err(trouble)),
+) -> (BridgeReport, Result<(), BridgeError>) {
+    let session = match BridgeSession::open(host, controller, &plan.config, plan.sonars_at_once) {
+        Ok(session) => session,
+        Err(trouble) => return (BridgeReport::default(), Err(trouble)),
     };
-    let mut bridge = Bridge::new(reins, plan);
+    let mut bridge = Bridge::new(session, plan);
     let result = bridge.run(interrupted, progress);
-    bridge.reins.finish(matches!(result, Err(Trouble::Mind(_))));
-    let driven = Driven {
+    bridge
+        .session
+        .finish(matches!(result, Err(BridgeError::Controller(_))));
+    let driven = BridgeReport {
         distance_m: rounded(bridge.driven.distance_m),
-        expired: bridge.reins.expired(),
+        expired: bridge.session.expired(),
         ..bridge.driven
     };
     (driven, result)
 }
 
 struct Bridge<'p> {
-    reins: Reins,
-    plan: &'p Plan,
-    phase: Phase,
+    session: BridgeSession,
+    plan: &'p BridgePlan,
+    phase: BridgePhase,
     nest: Option<Situation<16>>,
-    open: Option<Stride>,
-    driven: Driven,
+    open: Option<BridgeStep>,
+    driven: BridgeReport,
 }
 
 impl<'p> Bridge<'p> {
-    fn new(reins: Reins, plan: &'p Plan) -> Self {
+    fn new(session: BridgeSession, plan: &'p BridgePlan) -> Self {
         Self {
-            reins,
+            session,
             plan,
-            phase: Phase::Explore,
+            phase: BridgePhase::Explore,
             nest: None,
             open: None,
-            driven: Driven::default(),
+            driven: BridgeReport::default(),
         }
     }
 
@@ -102,45 +98,50 @@ impl<'p> Bridge<'p> {
         &mut self,
         interrupted: &AtomicBool,
         mut progress: impl FnMut(u32),
-    ) -> Result<(), Trouble> {
-        self.reins.command(controller::Command::Explore {
+    ) -> Result<(), BridgeError> {
+        self.session.command(controller::Command::Explore {
             moves: self.plan.explore_moves,
             seed: Seeds::of(self.plan.seed).exploration,
         });
-        while self.phase != Phase::Over {
+        while self.phase != BridgePhase::Over {
             if interrupted.load(Ordering::Relaxed) {
-                return Err(Trouble::Interrupted);
+                return Err(BridgeError::Interrupted);
             }
             self.turn()?;
             progress(self.driven.explore_moves + self.driven.steps);
-            std::thread::sleep(PAUSE);
+            std::thread::sleep(POLL_INTERVAL);
         }
         Ok(())
     }
 
-    fn turn(&mut self) -> Result<(), Trouble> {
-        let turn = self.reins.look()?;
+    fn turn(&mut self) -> Result<(), BridgeError> {
+        let turn = self.session.update()?;
         self.driven.distance_m += turn.way_m;
-        self.driven.time_s = self.reins.time_s();
+        self.driven.time_s = self.session.time_s();
         if let (true, Some(open)) = (turn.touched, &mut self.open) {
             open.touched = true;
         }
-        if let Some(thought) = turn.thought {
-            refused(&thought.outputs)?;
-            self.conclude(&thought)?;
+        if let Some(result) = turn.result {
+            refused(&result.outputs)?;
+            self.conclude(&result)?;
         }
         match self.phase {
-            Phase::Over => Ok(()),
-            Phase::Learn => self.reins.pass_on(At::School),
-            Phase::Explore | Phase::Seek(..) => self.reins.pass_on(At::Work),
+            BridgePhase::Over => Ok(()),
+            BridgePhase::Learn => self.session.deliver_events(Activity::Learning),
+            BridgePhase::Explore | BridgePhase::Seek(..) => {
+                self.session.deliver_events(Activity::Moving)
+            }
         }
     }
 
-    /// Counts, and goes on to the next phase when one is done.
-    fn conclude(&mut self, thought: &Thought) -> Result<(), Trouble> {
-        let outputs = &thought.outputs;
-        if let Some(reason) = outputs.stopped.filter(|_| thought.about != About::Command) {
-            return Err(Trouble::Mind(Failure::Stopped(reason)));
+    /// Counts steps and changes the phase.
+    fn conclude(&mut self, result: &WorkerResult) -> Result<(), BridgeError> {
+        let outputs = &result.outputs;
+        if let Some(reason) = outputs
+            .stopped
+            .filter(|_| result.kind != ResultKind::Command)
+        {
+            return Err(BridgeError::Controller(EpisodeError::Stopped(reason)));
         }
         if outputs.decision.is_some() || outputs.mode_changed {
             self.close();
@@ -149,19 +150,19 @@ impl<'p> Bridge<'p> {
         {
             open.shielded = true;
         }
-        let came_about = outputs.mode_changed && thought.about != About::Command;
+        let mode_changed = outputs.mode_changed && result.kind != ResultKind::Command;
         match self.phase {
-            Phase::Explore if came_about => {
-                self.phase = Phase::Learn;
-                self.reins.learn();
+            BridgePhase::Explore if mode_changed => {
+                self.phase = BridgePhase::Learn;
+                self.session.learn();
             }
-            Phase::Learn if came_about => {
-                self.reins.forget_heard();
+            BridgePhase::Learn if mode_changed => {
+                self.session.discard_events();
                 self.seek(0);
             }
-            Phase::Seek(part, ..) => {
+            BridgePhase::Seek(part, ..) => {
                 if self.driven.steps >= self.plan.steps {
-                    self.phase = Phase::Over;
+                    self.phase = BridgePhase::Over;
                 } else if self.plan.behavior.parts().len() > 1 && self.part_is_reached() {
                     self.seek(part + 1);
                 }
@@ -173,7 +174,7 @@ impl<'p> Bridge<'p> {
     }
 
     fn part_is_reached(&self) -> bool {
-        let Phase::Seek(part, steps, goal_steps) = self.phase else {
+        let BridgePhase::Seek(part, steps, goal_steps) = self.phase else {
             return false;
         };
         let Some(part) = self.plan.behavior.parts().get(part) else {
@@ -186,27 +187,27 @@ impl<'p> Bridge<'p> {
         is_reached(part, steps, goal_steps)
     }
 
-    /// Begins to pursue a part of the behavior; after the last one it is over.
+    /// Pursues a part of the behavior; after the last one the drive is over.
     fn seek(&mut self, part: usize) {
         let Some(behavior) = self.plan.behavior.parts().get(part) else {
-            self.phase = Phase::Over;
+            self.phase = BridgePhase::Over;
             return;
         };
-        self.phase = Phase::Seek(part, self.driven.steps, self.driven.goal_steps);
+        self.phase = BridgePhase::Seek(part, self.driven.steps, self.driven.goal_steps);
         let nest = self.nest.unwrap_or([Weight::ZERO; 16]);
         let goal = behavior.goal(&self.plan.config, &nest);
-        self.reins.command(controller::Command::Seek(goal));
+        self.session.command(controller::Command::Seek(goal));
     }
 
     fn open_step(&mut self, outputs: &Outputs<16>) {
         let Some(decision) = &outputs.decision else {
             return;
         };
-        if self.phase == Phase::Over {
+        if self.phase == BridgePhase::Over {
             return;
         }
         self.nest.get_or_insert(decision.situation);
-        self.open = Some(Stride {
+        self.open = Some(BridgeStep {
             at_goal: decision.at_goal,
             shielded: decision.allowed != decision.wanted,
             touched: false,
@@ -218,7 +219,7 @@ impl<'p> Bridge<'p> {
             return;
         };
         let driven = &mut self.driven;
-        if self.phase == Phase::Explore {
+        if self.phase == BridgePhase::Explore {
             driven.explore_moves += 1;
             driven.explore_contacts += u32::from(stride.touched);
             return;
@@ -230,31 +231,31 @@ impl<'p> Bridge<'p> {
     }
 }
 
-/// What the bridge wants of a state packet.
-fn mask(sonar: u16) -> Mask {
-    Mask {
+/// The readings that the bridge requests.
+fn mask(sonar: u16) -> StateMask {
+    StateMask {
         sonar,
         bumper: true,
         pose: [true; 4],
         velocity: [true; 3],
         attached: WITH_SONAR,
-        ..Mask::NONE
+        ..StateMask::NONE
     }
 }
 
-/// How a motion ended, if it did.
+/// The end of a motion, if it has ended.
 type Ended = Option<Progress>;
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::State;
+    use crate::NomadState;
 
     /// docs/nomad.md: 622 bytes over TCP; 178 over a serial line, 46 ms at 38 400 baud.
     #[test]
     fn answers_are_as_long_as_the_docs_say() {
         let bytes = |sonars: u16| {
-            let payload = State::default().to_payload(&mask(sonars));
+            let payload = NomadState::default().to_payload(&mask(sonars));
             payload.len() + "01 LEN LEN TYPE CK 5C".split(' ').count()
         };
         assert_eq!((bytes(u16::MAX), bytes(0xf)), (622, 178));

@@ -2,16 +2,16 @@ use super::*;
 use proptest::prelude::*;
 
 fn request(kind: u16, numbers: &[i32]) -> Request {
-    Request::of(&Message {
+    Request::of(&ServerMessage {
         kind,
         numbers: numbers.to_vec(),
     })
 }
 
-/// Worked by hand.
+/// Derived by hand.
 #[test]
 fn messages_are_big_endian() {
-    let message = Message {
+    let message = ServerMessage {
         kind: 12,
         numbers: vec![100, -50, 0],
     };
@@ -20,9 +20,9 @@ fn messages_are_big_endian() {
     ];
     assert_eq!(message.to_bytes(), bytes);
     let mut stream = bytes[..15].to_vec();
-    assert_eq!(Message::take_from(&mut stream), None);
+    assert_eq!(ServerMessage::take_from(&mut stream), None);
     stream.extend([0, 0xff]);
-    assert_eq!(Message::take_from(&mut stream), Some(message));
+    assert_eq!(ServerMessage::take_from(&mut stream), Some(message));
     assert_eq!(stream, [0xff]);
 }
 
@@ -31,20 +31,23 @@ fn requests_are_the_robots_commands() {
     let robot = |command| Request::Robot(command);
     assert_eq!(
         request(12, &[100, -50, 70_000]),
-        robot(Command::Velocity([100, -50, i16::MAX]))
+        robot(NomadCommand::Velocity([100, -50, i16::MAX]))
     );
     let ct = request(16, &[0xff, 0xff, 0xff, 0xff, 0xff, 0b1101, 0b10]);
-    let wanted = Mask {
+    let wanted = StateMask {
         attached: WITH_SONAR,
-        ..Mask::ALL
+        ..StateMask::ALL
     };
-    assert_eq!(ct, robot(Command::Communicate(wanted)));
+    assert_eq!(ct, robot(NomadCommand::Communicate(wanted)));
     let mv = [
         (AxisMode::Relative, 5),
         (AxisMode::Ignore, 0),
         (AxisMode::Limp, 0),
     ];
-    assert_eq!(request(43, &[2, 5, 0, 0, 3, 0]), robot(Command::Move(mv)));
+    assert_eq!(
+        request(43, &[2, 5, 0, 0, 3, 0]),
+        robot(NomadCommand::Move(mv))
+    );
     // Too few numbers, an unknown mode, an unknown type, obstacles.
     for (kind, numbers) in [
         (12, &[1, 2][..]),
@@ -59,7 +62,7 @@ fn requests_are_the_robots_commands() {
 
 #[test]
 fn a_state_is_the_librarys_vector_and_what_follows_it() {
-    let state = State {
+    let state = NomadState {
         sonar: [77; 16],
         bumpers: 3,
         pose: [1, -2, 3, 4],
@@ -67,17 +70,17 @@ fn a_state_is_the_librarys_vector_and_what_follows_it() {
         motors: 1,
         compass: 900,
         time_ms: 1_000,
-        ..State::default()
+        ..NomadState::default()
     };
-    let message = answer(Kind::Gs as u8, &state, &Mask::ALL, 2);
+    let message = answer(Kind::Gs as u8, &state, &StateMask::ALL, 2);
     let numbers = &message.numbers;
     assert_eq!((message.kind, numbers.len()), (STATE, 46 + 3));
     assert_eq!((numbers[0], numbers[17], numbers[32]), (20, 77, 77));
     assert_eq!(numbers[33..46], [3, 1, -2, 3, 4, 5, -6, 7, 1, 0, 900, 0, 0]);
     assert_eq!(numbers[46], 1_000);
-    let mask = Mask {
+    let mask = StateMask {
         attached: WITH_SONAR | WITH_BUMPER,
-        ..Mask::ALL
+        ..StateMask::ALL
     };
     let longer = answer(Kind::Vm as u8, &state, &mask, 1);
     assert_eq!(longer.numbers.len(), 46 + 17 * 9 + 3);
@@ -89,9 +92,9 @@ fn a_state_is_the_librarys_vector_and_what_follows_it() {
 proptest! {
     #[test]
     fn any_message_comes_back_and_is_a_request(kind: u16, numbers in prop::collection::vec(any::<i32>(), 0..40)) {
-        let message = Message { kind, numbers };
+        let message = ServerMessage { kind, numbers };
         let mut bytes = message.to_bytes();
-        let back = Message::take_from(&mut bytes);
+        let back = ServerMessage::take_from(&mut bytes);
         prop_assert!(bytes.is_empty());
         let _ = Request::of(&message);
         prop_assert_eq!(back, Some(message));

@@ -1,35 +1,34 @@
-//! What each command does to the robot.
+//! Executes the commands of a host.
 
-use super::{Awaited, Simulated};
-use crate::firing::Firing;
+use super::{PendingAnswer, SimulatedNomad};
+use crate::firing::FiringSchedule;
 use crate::units::{M_PER_TENTH_INCH, PER_UNIT, RAD_PER_TENTH_DEGREE};
-use crate::{AxisMode, Command, Group, Kind, Packet};
+use crate::{AxisMode, Kind, NomadCommand, Packet, ReadingGroup};
 use arena::robot::Axis;
 use arena::world::{Point, wrap_angle};
 
-/// Most tenths of an infrared reading that come from the one before.
+/// Limit of the infrared history, tenths.
 const MAX_HISTORY: u8 = 10;
 
-/// Seconds count as milliseconds here.
+/// Conversion of seconds.
 const MS_PER_S: u32 = 1_000;
 
-impl Simulated {
-    /// Takes a command. Returns the answer, unless that has to wait for the motors: then [`answer`](Self::answer) has it
-    /// when it is due. A new command takes the place of a question still waiting.
+impl SimulatedNomad {
+    /// Executes a command. Returns the answer, unless it waits for the motors: then
+    /// [`answer`](Self::answer) returns it later. A new command cancels a delayed answer.
     ///
-    /// Packets whose payload is not known (obstacles and places of the original simulator, the user's own, set-up of the
-    /// laser) and torques are answered with NAK.
-    pub fn take(&mut self, command: &Command) -> Option<Packet> {
-        self.heard_ms = self.time_ms();
-        self.awaited = None;
+    /// Torques and packets with an unknown payload are answered with NAK.
+    pub fn take(&mut self, command: &NomadCommand) -> Option<Packet> {
+        self.last_command_ms = self.time_ms();
+        self.pending = None;
         if is_motion(command) {
             self.zeroing = false;
         }
         match command {
-            Command::Velocity(wanted) => self.each(*wanted, Self::run),
-            Command::Relative(wanted) => self.each(*wanted, Self::move_by),
-            Command::Absolute(wanted) => self.each(*wanted, Self::move_to),
-            Command::Move(axes) => {
+            NomadCommand::Velocity(wanted) => self.each(*wanted, Self::run),
+            NomadCommand::Relative(wanted) => self.each(*wanted, Self::move_by),
+            NomadCommand::Absolute(wanted) => self.each(*wanted, Self::move_to),
+            NomadCommand::Move(axes) => {
                 if axes.iter().any(|(mode, _)| is_torque(*mode)) {
                     return Some(nak());
                 }
@@ -37,36 +36,36 @@ impl Simulated {
                     self.move_axis(axis, mode, value);
                 }
             }
-            // Motors without current and motors that hold stop the same body alike.
-            Command::Stop | Command::Limp => self.hold(),
-            Command::Speeds(speeds) => {
+            // Limp and holding motors stop the body alike.
+            NomadCommand::Stop | NomadCommand::Limp => self.hold(),
+            NomadCommand::Speeds(speeds) => {
                 for (axis, speed) in Axis::ALL.into_iter().zip(*speeds) {
                     self.set_speed(axis, f64::from(speed));
                 }
             }
-            Command::Accelerations(accelerations) => {
+            NomadCommand::Accelerations(accelerations) => {
                 for (axis, acceleration) in Axis::ALL.into_iter().zip(*accelerations) {
                     self.set_acceleration(axis, f64::from(acceleration));
                 }
             }
-            Command::Zero => {
+            NomadCommand::Zero => {
                 self.begin_zeroing();
                 return None;
             }
-            Command::WaitForStop { axes, timeout_s } => {
+            NomadCommand::WaitForStop { axes, timeout_s } => {
                 let wait_ms = u32::from(*timeout_s) * MS_PER_S;
-                self.awaited = Some(Awaited {
+                self.pending = Some(PendingAnswer {
                     kind: Kind::Ws,
                     axes: *axes,
                     until_ms: Some(self.time_ms().wrapping_add(wait_ms)),
                 });
                 return self.answer();
             }
-            Command::Get(group) => return Some(self.group_packet(*group)),
-            Command::Opaque(..) => return Some(nak()),
-            Command::ConfigureCompass(mode) => {
+            NomadCommand::Get(group) => return Some(self.group_packet(*group)),
+            NomadCommand::Opaque(..) => return Some(nak()),
+            NomadCommand::ConfigureCompass(mode) => {
                 self.compass_on = *mode == 1;
-                // The three marks of a calibration, which is not simulated.
+                // Three values of a calibration, which is not simulated.
                 return Some(Packet::new(Kind::ConfCp, vec![0; 3]));
             }
             _ => self.configure(command),
@@ -74,28 +73,28 @@ impl Simulated {
         Some(self.state_packet(command.kind()))
     }
 
-    fn configure(&mut self, command: &Command) {
+    fn configure(&mut self, command: &NomadCommand) {
         match command {
-            Command::Communicate(mask) => self.mask = *mask,
-            Command::DefinePosition([x, y]) => {
+            NomadCommand::Communicate(mask) => self.mask = *mask,
+            NomadCommand::DefinePosition([x, y]) => {
                 let position = Point::new(f64::from(*x), f64::from(*y)) * M_PER_TENTH_INCH;
                 self.reckoning.define_position(position);
             }
-            Command::DefineAngles(angles) => {
+            NomadCommand::DefineAngles(angles) => {
                 let angles = angles.map(|angle| f64::from(angle) * RAD_PER_TENTH_DEGREE);
                 let axes = [self.axes.at(Axis::Steering), self.axes.at(Axis::Turret)];
                 self.reckoning.define_angles(axes, angles);
             }
-            Command::ConfigureSonar { rate, order } => {
-                self.firing = Firing::new(*rate, *order, self.time_ms());
+            NomadCommand::ConfigureSonar { rate, order } => {
+                self.firing = FiringSchedule::new(*rate, *order, self.time_ms());
             }
-            Command::ConfigureInfrared { history, order } => {
+            NomadCommand::ConfigureInfrared { history, order } => {
                 self.history = (*history).min(MAX_HISTORY);
                 let listed = order.iter().take_while(|&&sensor| sensor < 16);
                 self.infrared_on = listed.fold(0, |on, sensor| on | 1 << sensor);
             }
-            Command::ConfigureTimeout(seconds) => self.timeout_s = *seconds,
-            // It has no laser, no voice and no second port.
+            NomadCommand::ConfigureTimeout(seconds) => self.timeout_s = *seconds,
+            // There is no laser, speech or second port.
             _ => {}
         }
     }
@@ -114,7 +113,7 @@ impl Simulated {
             AxisMode::Limp => self.axes.hold(axis),
             AxisMode::Acceleration => self.set_acceleration(axis, f64::from(value.max(0))),
             AxisMode::Speed => self.set_speed(axis, f64::from(value.max(0))),
-            AxisMode::Ignore | AxisMode::Torque | AxisMode::MostTorque => {}
+            AxisMode::Ignore | AxisMode::Torque | AxisMode::MaxTorque => {}
         }
     }
 
@@ -132,8 +131,8 @@ impl Simulated {
         }
     }
 
-    /// Steering and turret take the shorter way to the reported angle; translation goes to the way rolled since the
-    /// robot was switched on. (The library says no more than "absolute position".)
+    /// Steering and turret take the smaller turn to the reported angle. Translation goes to the
+    /// distance rolled since the start; the library says only "absolute position".
     fn move_to(&mut self, axis: Axis, position: i16) {
         let (at, wanted) = (
             self.axes.at(axis),
@@ -156,7 +155,7 @@ impl Simulated {
         self.axes.set_acceleration(axis, acceleration);
     }
 
-    /// Steering and turret turn to the base's front, the nearer way round.
+    /// Turns steering and turret to the base's front by the smaller turn.
     fn begin_zeroing(&mut self) {
         self.zeroing = true;
         self.axes.hold(Axis::Translation);
@@ -165,14 +164,14 @@ impl Simulated {
             let goal = at - wrap_angle(at);
             self.axes.go_to(axis, goal, &mut self.noise);
         }
-        self.awaited = Some(Awaited {
+        self.pending = Some(PendingAnswer {
             kind: Kind::Zr,
             axes: [true; 3],
             until_ms: None,
         });
     }
 
-    /// Once everything stands, that is zero.
+    /// Sets all angles to zero once everything stands.
     pub(super) fn finish_zeroing(&mut self) {
         if Axis::ALL.into_iter().any(|axis| self.axes.is_active(axis)) {
             return;
@@ -183,29 +182,29 @@ impl Simulated {
         self.reckoning.define_angles(axes, [0.0; 2]);
     }
 
-    fn group_packet(&mut self, group: Group) -> Packet {
+    fn group_packet(&mut self, group: ReadingGroup) -> Packet {
         self.read_now();
         Packet::new(group.kind(), self.state.to_group(group, &self.mask))
     }
 }
 
-/// The answer to what is not understood.
+/// The answer to an unknown command.
 pub(in super::super) fn nak() -> Packet {
     Packet::new(Kind::Nak, Vec::new())
 }
 
 fn is_torque(mode: AxisMode) -> bool {
-    matches!(mode, AxisMode::Torque | AxisMode::MostTorque)
+    matches!(mode, AxisMode::Torque | AxisMode::MaxTorque)
 }
 
-fn is_motion(command: &Command) -> bool {
+fn is_motion(command: &NomadCommand) -> bool {
     matches!(
         command,
-        Command::Velocity(_)
-            | Command::Relative(_)
-            | Command::Absolute(_)
-            | Command::Move(_)
-            | Command::Stop
-            | Command::Limp
+        NomadCommand::Velocity(_)
+            | NomadCommand::Relative(_)
+            | NomadCommand::Absolute(_)
+            | NomadCommand::Move(_)
+            | NomadCommand::Stop
+            | NomadCommand::Limp
     )
 }

@@ -20,7 +20,7 @@ fn place() -> impl Strategy<Value = PosData> {
     })
 }
 
-fn states() -> impl Strategy<Value = State> {
+fn states() -> impl Strategy<Value = NomadState> {
     let rings = (
         prop::array::uniform16(0..16_u8),
         any::<[u8; 16]>(),
@@ -45,7 +45,7 @@ fn states() -> impl Strategy<Value = State> {
         let (pose, velocity, acceleration) = motion;
         let ((compass, motors, time_ms, cpu_voltage, motor_voltage), laser) = rest;
         let (infrared_at, sonar_at, [bumpers_at, laser_at, compass_at]) = places;
-        State {
+        NomadState {
             infrared,
             sonar,
             bumpers,
@@ -71,11 +71,11 @@ proptest! {
     #[test]
     fn a_state_comes_back_under_every_mask(state in states(), mask in masks()) {
         let payload = state.to_payload(&mask);
-        let mut there = State::default();
+        let mut there = NomadState::default();
         prop_assert_eq!(there.take_payload(&mask, &payload), Ok(()));
-        // What came is what was sent: sent on, it has the same bytes.
+        // A decoded packet encodes to the same bytes.
         prop_assert_eq!(there.to_payload(&mask), payload.clone());
-        // And what the mask leaves out keeps its value.
+        // Readings outside the mask keep their values.
         let mut over = state.clone();
         prop_assert_eq!(over.take_payload(&mask, &payload), Ok(()));
         prop_assert_eq!(over, state);
@@ -87,9 +87,9 @@ proptest! {
 
     #[test]
     fn every_group_comes_back(state in states(), mask in masks()) {
-        for group in Group::ALL {
+        for group in ReadingGroup::ALL {
             let payload = state.to_group(group, &mask);
-            let mut there = State::default();
+            let mut there = NomadState::default();
             prop_assert_eq!(there.take_group(group, &mask, &payload), Ok(()));
             prop_assert_eq!(there.to_group(group, &mask), payload.clone());
             let mut over = state.clone();
@@ -100,18 +100,18 @@ proptest! {
 
     #[test]
     fn any_bytes_are_a_state_or_refused(payload in prop::collection::vec(any::<u8>(), 0..200), mask in masks()) {
-        let mut state = State::default();
+        let mut state = NomadState::default();
         let _ = state.take_payload(&mask, &payload);
-        for group in Group::ALL {
+        for group in ReadingGroup::ALL {
             let _ = state.take_group(group, &mask, &payload);
         }
     }
 }
 
-/// Worked by hand.
+/// Derived by hand.
 #[test]
 fn readings_have_their_order_and_their_bytes() {
-    let state = State {
+    let state = NomadState {
         infrared: std::array::from_fn(|i| i as u8),
         sonar: std::array::from_fn(|i| 100 + i as u8),
         bumpers: 1 << 19 | 1,
@@ -122,31 +122,34 @@ fn readings_have_their_order_and_their_bytes() {
         time_ms: 0x0102_0304,
         cpu_voltage: 250,
         motor_voltage: 251,
-        ..State::default()
+        ..NomadState::default()
     };
     // Infrared 0, 1 and 15; sonar 8; no laser.
-    let mask = Mask {
+    let mask = StateMask {
         infrared: 0x8003,
         sonar: 1 << 8,
         laser: false,
-        ..Mask::ALL
+        ..StateMask::ALL
     };
     let expected = [
         0x10, 0x0f, 108, 0x08, 0, 1, 0x0a, 0x80, 20, 0, 0x84, 3, 0x0f, 0x0e, 200, 0, 0xc2, 0x81, 1,
         0, 0x08, 0x07, 5, 4, 3, 2, 1, 250, 251,
     ];
     assert_eq!(state.to_payload(&mask), expected);
-    let everything = state.to_payload(&Mask::ALL);
+    let everything = state.to_payload(&StateMask::ALL);
     assert_eq!(everything.len(), 8 + 16 + 3 + 8 + 6 + 2 + 2 + 7);
-    let sonars = state.to_group(Group::Sonar, &Mask::NONE);
+    let sonars = state.to_group(ReadingGroup::Sonar, &StateMask::NONE);
     assert_eq!(sonars.len(), 20);
-    let placed = Mask {
+    let placed = StateMask {
         attached: WITH_SONAR,
-        ..Mask::NONE
+        ..StateMask::NONE
     };
-    assert_eq!(state.to_group(Group::Sonar, &placed).len(), 20 + 16 * 36);
     assert_eq!(
-        state.to_group(Group::Laser, &Mask::NONE),
+        state.to_group(ReadingGroup::Sonar, &placed).len(),
+        20 + 16 * 36
+    );
+    assert_eq!(
+        state.to_group(ReadingGroup::Laser, &StateMask::NONE),
         [0, 0, 0, 0, 4, 3, 2, 1]
     );
 }

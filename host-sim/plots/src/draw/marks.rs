@@ -1,7 +1,7 @@
 //! Marks of a behavior on a path: the leading robot, the sought place, the parts of a chain.
 
 use arena::world::Point;
-use sim::episode::NEST_M;
+use sim::episode::NEST_RADIUS_M;
 use sim::recording::Recording;
 
 use super::color::{BLUE, INK, ORANGE};
@@ -34,7 +34,7 @@ fn leader_style() -> String {
 pub fn goal_place(svg: &mut Svg, view: &SceneView, recording: &Recording) {
     if let Some(place) = recording.goal_place {
         let [x, y] = view.at(place);
-        let radius = (NEST_M * view.scale).max(5.0);
+        let radius = (NEST_RADIUS_M * view.scale).max(5.0);
         svg.circle([x, y], radius, &goal_style());
         let aside = radius + 8.0;
         scene::label(svg, [x - aside * 0.8, y - aside * 0.8], 15.0, "N");
@@ -75,7 +75,7 @@ pub fn legend(legend: &mut Legend, svg: &mut Svg, recording: &Recording) {
         } else {
             "the nest"
         };
-        let text = format!("N: {what}, {}\u{a0}m around it", num(NEST_M));
+        let text = format!("N: {what}, {}\u{a0}m around it", num(NEST_RADIUS_M));
         legend.entry(svg, &text, |svg, at| svg.circle(at, 8.0, &goal_style()));
     }
     let parts: Vec<_> = recording.behavior.split(',').collect();

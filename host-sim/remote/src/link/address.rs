@@ -1,13 +1,13 @@
-//! Where a mind is, as a person types it.
+//! Address of a controller, as it is written on the command line.
 
 use files::error::BadInput;
 use std::fmt;
 use std::str::FromStr;
 
-/// Speed of a serial line unless another is asked for, baud.
+/// Default speed of a serial line, baud.
 pub const BAUD: u32 = 115_200;
 
-/// Where a mind is.
+/// Address of a controller.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Address {
     /// At a serial port.
@@ -17,14 +17,14 @@ pub enum Address {
         /// Its speed.
         baud: u32,
     },
-    /// Behind a TCP socket, as `HOST:PORT`.
+    /// A TCP socket, as `HOST:PORT`.
     Tcp(String),
-    /// In an emulated chip that is started for it.
+    /// An emulated chip, started on demand.
     Qemu,
 }
 
 impl Address {
-    /// How addresses are written.
+    /// The accepted forms.
     pub const FORMS: &'static str = "serial:PORT[@BAUD], tcp:HOST:PORT or qemu";
 }
 
@@ -48,7 +48,7 @@ impl FromStr for Address {
             Some(("serial", port)) => serial(port),
             Some(("tcp", host)) => tcp(host),
             _ => Err(BadInput::new(format!(
-                "\"{text}\" is no address of a mind: it must be {}",
+                "\"{text}\" is no address of a controller: use {}",
                 Self::FORMS
             ))),
         }

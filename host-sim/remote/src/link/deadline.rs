@@ -1,21 +1,22 @@
-//! Waits that end, though the other end never pauses.
+//! Bounds a wait for a message, even if the other end never stops sending.
 
 use std::time::Instant;
 
-/// Reads after a deadline, of 1 KiB each: what has arrived by then counts, but not without end.
+/// Reads of 1 KiB that are allowed after the deadline, for data that arrived before it.
 const MAX_LATE_READS: u32 = 16;
 
-/// Bounds the reads of one wait. Whoever waits for a certain message reads again after each other one, with the same
-/// deadline: all those reads are one wait.
+/// Bounds the reads of one wait. A wait may skip other messages and read again; all reads with the
+/// same deadline belong to one wait.
 #[derive(Debug, Default)]
 pub struct Deadline {
     until: Option<Instant>,
-    /// Reads after it.
+    /// Reads after the deadline.
     late: u32,
 }
 
 impl Deadline {
-    /// Whether the wait that ends at `until` may read once more: before `until` always, after it a few times.
+    /// Whether the wait until `until` may read once more: always before `until`, a few times after
+    /// it.
     pub fn allows_read(&mut self, until: Instant) -> bool {
         if self.until != Some(until) {
             *self = Self {
@@ -41,7 +42,7 @@ mod tests {
         let now = Instant::now();
         let far = now + Duration::from_secs(3_600);
         assert!((0..1_000).all(|_| deadline.allows_read(far)));
-        // Passed already.
+        // Already passed.
         let count = |deadline: &mut Deadline, until| {
             let reads = (0..1_000).take_while(|_| deadline.allows_read(until));
             reads.count()

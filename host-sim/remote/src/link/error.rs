@@ -1,69 +1,69 @@
-//! What can go wrong between here and a mind.
+//! Errors of a link to a controller.
 
-use super::words;
+use super::display;
 use amp::controller::StopReason;
 use amp::wire::message::{Dimensions, Refusal, ResetCause};
 use amp::wire::{PROTOCOL, SCHEMA};
-use sim::failure::Failure;
+use sim::error::EpisodeError;
 use std::fmt;
 use std::time::Duration;
 
-/// Why a link failed. Displays as one sentence for the person in front of it.
+/// Why a link failed; displays as one sentence.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum LinkError {
-    /// The way to the mind could not be opened.
+    /// The transport cannot be opened.
     Open {
-        /// What was to be opened, and why it could not.
+        /// What cannot be opened, and why.
         why: String,
     },
-    /// The way to the mind broke.
+    /// The transport failed.
     Broken {
         /// How.
         why: String,
     },
-    /// Nothing was answered.
+    /// No answer.
     Silent {
-        /// How long it was waited for.
+        /// How long it waited.
         waited: Duration,
     },
-    /// The other end speaks another protocol, or is the mind of another robot.
+    /// The other end has another protocol, or the controller of another robot.
     Incompatible(Dimensions),
-    /// The other end sends sound frames that hold no message of this protocol.
-    Foreign,
-    /// The mind has started anew: what it knew is gone.
+    /// The other end sends valid frames with unknown messages.
+    UnknownMessages,
+    /// The controller has restarted and lost its knowledge.
     Restarted(ResetCause),
-    /// The mind refused what it was asked for.
+    /// The controller refused a request.
     Refused(Refusal),
-    /// What the mind reported was lost on the way.
-    Lost {
+    /// Reports of the controller were lost.
+    ReportsLost {
         /// How many reports.
         reports: u32,
     },
-    /// The mind stopped by itself.
+    /// The controller stopped by itself.
     Stopped(StopReason),
-    /// The mind learns and does not come to an end.
+    /// The controller does not finish learning.
     Learning {
-        /// How long it was waited for.
+        /// How long it waited.
         waited: Duration,
     },
-    /// The mind did not become what it was told to.
-    Unlike {
+    /// The controller does not have what was written to it.
+    Mismatch {
         /// What differs.
         what: &'static str,
     },
 }
 
 impl LinkError {
-    /// Whether opening the way and the session anew may help.
+    /// Whether reconnecting may help.
     #[must_use]
-    pub fn may_pass(&self) -> bool {
+    pub fn is_transient(&self) -> bool {
         matches!(
             self,
             Self::Open { .. }
                 | Self::Broken { .. }
                 | Self::Silent { .. }
                 | Self::Restarted(_)
-                | Self::Lost { .. }
+                | Self::ReportsLost { .. }
         )
     }
 }
@@ -75,29 +75,29 @@ impl fmt::Display for LinkError {
             Self::Broken { why } => write!(f, "the link broke: {why}"),
             Self::Silent { waited } => write!(
                 f,
-                "no answer within {} s: is the mind running, and this the right line and speed?",
+                "no answer within {} s: is the controller running, and are line and speed right?",
                 waited.as_secs_f32()
             ),
             Self::Incompatible(theirs) => incompatible(f, theirs),
-            Self::Foreign => f.write_str(
+            Self::UnknownMessages => f.write_str(
                 "the other end sends messages this program does not know: build firmware and host-sim from the same version",
             ),
             Self::Restarted(cause) => {
-                write!(f, "the mind has started anew ({})", words::reset(*cause))
+                write!(f, "the controller has restarted ({})", display::reset(*cause))
             }
-            Self::Refused(why) => write!(f, "the mind refused: {}", words::refusal(*why)),
-            Self::Lost { reports } => write!(
+            Self::Refused(why) => write!(f, "the controller refused: {}", display::refusal(*why)),
+            Self::ReportsLost { reports } => write!(
                 f,
-                "{reports} of the mind's reports were lost on the way: the link is too bad or too slow"
+                "{reports} of the controller's reports were lost on the way: the link is too bad or too slow"
             ),
-            Self::Stopped(reason) => write!(f, "the mind stopped: {}", sim::failure::stop_reason(*reason)),
+            Self::Stopped(reason) => write!(f, "the controller stopped: {}", sim::error::stop_reason(*reason)),
             Self::Learning { waited } => write!(
                 f,
-                "the mind has not learned within {} s",
+                "the controller has not learned within {} s",
                 waited.as_secs_f32()
             ),
-            Self::Unlike { what } => {
-                write!(f, "the mind's {what} is not what was written to it")
+            Self::Mismatch { what } => {
+                write!(f, "the controller's {what} is not what was written to it")
             }
         }
     }
@@ -112,19 +112,19 @@ fn incompatible(f: &mut fmt::Formatter<'_>, theirs: &Dimensions) -> fmt::Result 
         };
         write!(
             f,
-            "the mind speaks protocol {}, this program protocol {PROTOCOL}: update the {older}",
+            "the controller speaks protocol {}, this program protocol {PROTOCOL}: update the {older}",
             theirs.protocol
         )
     } else if theirs.schema != SCHEMA {
         write!(
             f,
-            "the mind's messages ({:08x}) are not this program's ({SCHEMA:08x}): build firmware and host-sim from the same version",
+            "the controller's messages ({:08x}) are not this program's ({SCHEMA:08x}): build firmware and host-sim from the same version",
             theirs.schema
         )
     } else {
         write!(
             f,
-            "the mind is that of a robot with {} sonars and {} neurons to a map, not of one with 16 and 16",
+            "the controller is that of a robot with {} sonars and {} neurons to a map, not of one with 16 and 16",
             theirs.sensors, theirs.neurons
         )
     }
@@ -132,7 +132,7 @@ fn incompatible(f: &mut fmt::Formatter<'_>, theirs: &Dimensions) -> fmt::Result 
 
 impl std::error::Error for LinkError {}
 
-impl From<LinkError> for Failure {
+impl From<LinkError> for EpisodeError {
     fn from(error: LinkError) -> Self {
         Self::Link(error.to_string())
     }

@@ -1,4 +1,4 @@
-//! The firmware's image for the emulator, built from the project's sources.
+//! Builds the firmware's image for the emulator from the project's sources.
 
 use super::{LinkError, Machine};
 use std::ffi::OsString;
@@ -8,7 +8,8 @@ use std::process::{Command, Stdio};
 
 const PROFILE: &str = "chip";
 
-/// Builds the image for a machine and returns its path. Into a folder of its own: the board's image elsewhere stays the board's.
+/// Builds the image for a machine and returns its path. It has its own target folder, so the
+/// board's image stays.
 ///
 /// # Errors
 /// [`LinkError::Open`] without the sources, without cargo, or when the build fails.
@@ -26,7 +27,7 @@ pub fn build(machine: &Machine) -> Result<PathBuf, LinkError> {
         .arg("--target-dir")
         .arg(&folder)
         .stdin(Stdio::null())
-        // The compiler's messages are for the person; standard output is for results.
+        // The compiler writes to standard error; standard output is for results.
         .stdout(Stdio::null())
         .status();
     match built {
@@ -49,12 +50,12 @@ fn refused(why: &str) -> LinkError {
     LinkError::Open { why: why.into() }
 }
 
-/// The project's folder: the one this program was built from, or else one around the working folder.
+/// The project's folder: where this program was built, or else around the working folder.
 fn project() -> Option<PathBuf> {
     let built_from = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
     let here = std::env::current_dir().unwrap_or_default();
     let mut folders = std::iter::once(built_from).chain(here.ancestors());
     let found = folders.find(|folder| folder.join("firmware/Cargo.toml").is_file());
-    // Without the `..`: it ends up in messages.
+    // Without the `..`, because it appears in messages.
     found.and_then(|folder| folder.canonicalize().ok())
 }

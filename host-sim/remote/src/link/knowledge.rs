@@ -1,4 +1,4 @@
-//! All a mind was told and has learned, as one file: the image that a chip keeps in its flash, see [`amp::store`].
+//! Configuration, knowledge and goals of a controller as one file: the image of [`amp::store`].
 
 use super::{Fingerprint, LinkError, Session, next_number};
 use amp::config::Config;
@@ -13,7 +13,7 @@ use files::error::BadInput;
 use sim::pilot::SimState;
 use std::path::Path;
 
-/// The parts of the state, in the order in which they are read.
+/// The parts of the state, in the order of reading.
 const PARTS: [(Part, StatePart); 4] = [
     (Part::Situations, StatePart::Situations),
     (Part::Changes, StatePart::Changes),
@@ -21,13 +21,13 @@ const PARTS: [(Part, StatePart); 4] = [
     (Part::Memory, StatePart::Memory),
 ];
 
-/// Largest file, bytes: an image takes at most 117 KiB of a flash.
+/// Maximum file size, bytes; an image has at most 117 KiB.
 const MAX_FILE_BYTES: u64 = 1 << 20;
 
-/// Generation of an image in a file, where there is one only.
+/// Generation of an image in a file.
 const GENERATION: u32 = 1;
 
-/// What a mind was told and has learned.
+/// Configuration, maps, memory and goals of a controller.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Knowledge {
     config: Config<16>,
@@ -37,7 +37,7 @@ pub struct Knowledge {
 }
 
 impl Knowledge {
-    /// What a mind in this process was told and has learned; its goal is to avoid obstacles.
+    /// That of a controller in this process; its goal is to avoid obstacles.
     #[must_use]
     pub fn of(config: &Config<16>, state: &SimState) -> Self {
         Self::new(config.clone(), state.clone())
@@ -52,14 +52,14 @@ impl Knowledge {
         }
     }
 
-    /// Reads everything from a mind with an open session that stands still.
+    /// Reads everything from a controller at rest.
     ///
     /// # Errors
     /// [`LinkError`]; a refusal while the robot explores, learns or seeks.
-    pub fn pull(session: &mut Session) -> Result<Self, LinkError> {
-        refuse_moving(session)?;
+    pub fn download(session: &mut Session) -> Result<Self, LinkError> {
+        require_idle(session)?;
         let mut knowledge = Self::read(session)?;
-        for report in session.ask(&ToMind::Goals)? {
+        for report in session.query(&ToMind::Goals)? {
             let FromMind::Goal { name, goal } = report.said else {
                 continue;
             };
@@ -67,13 +67,13 @@ impl Knowledge {
                 knowledge.goal = goal;
             } else {
                 let kept = knowledge.kept.save(NamedGoal { name, goal });
-                kept.map_err(|_| LinkError::Unlike { what: "goals" })?;
+                kept.map_err(|_| LinkError::Mismatch { what: "goals" })?;
             }
         }
         Ok(knowledge)
     }
 
-    /// Reads all but the goals, whatever the mind does meanwhile.
+    /// Reads everything but the goals, in any mode.
     pub fn read(session: &mut Session) -> Result<Self, LinkError> {
         let config = session.read_part(Part::Config)?;
         let config = Config::from_bytes(&config).ok_or(LinkError::Refused(Refusal::Config))?;
@@ -83,7 +83,7 @@ impl Knowledge {
         }
         let mut state = SimState::new(Grid::rectangle(4, 4));
         let is_map = |part: StatePart| part != StatePart::Memory;
-        // Maps that were never learned are all zeros, and are not to count as learned.
+        // Maps that were never learned are all zeros and do not count as learned.
         let learned = parts
             .iter()
             .any(|(part, bytes)| is_map(*part) && bytes.iter().any(|byte| *byte != 0));
@@ -94,45 +94,45 @@ impl Knowledge {
             let written = state.write_part(part, 0, &bytes);
             written.map_err(|why| LinkError::Refused(Refusal::Piece(why)))?;
             if state.part_len(part) != bytes.len() {
-                return Err(LinkError::Unlike { what: "maps" });
+                return Err(LinkError::Mismatch { what: "maps" });
             }
         }
         Ok(Self::new(config, state))
     }
 
-    /// Writes everything to a mind that stands still, and makes sure of it by opening the next session.
+    /// Writes everything to a controller at rest, and checks it in a new session.
     ///
     /// # Errors
     /// [`LinkError`]; a refusal while the robot explores, learns or seeks.
-    pub fn push(&self, session: &mut Session) -> Result<(), LinkError> {
-        refuse_moving(session)?;
-        session.order(session.elapsed_ms(), Order::Forget)?;
-        // The configuration comes last: a mind that is cut off before has its old one with maps that are read the same.
+    pub fn upload(&self, session: &mut Session) -> Result<(), LinkError> {
+        require_idle(session)?;
+        session.command(session.elapsed_ms(), Order::Forget)?;
+        // The configuration comes last: after a broken transfer the maps still match the old one.
         for (part, ours) in PARTS.into_iter().rev() {
             if part == Part::Memory || self.state.has_learned() {
                 session.write_part(part, &self.part(ours))?;
             }
         }
-        session.write_part(Part::Config, &Self::of_config(&self.config)?)?;
+        session.write_part(Part::Config, &Self::encode_config(&self.config)?)?;
         for NamedGoal { name, goal } in self.kept.as_slice() {
             let goal = Order::Goal(GoalBy::Components(*goal));
-            session.order(session.elapsed_ms(), goal)?;
-            session.ask(&ToMind::Keep { name: *name })?;
+            session.command(session.elapsed_ms(), goal)?;
+            session.query(&ToMind::Keep { name: *name })?;
         }
         let goal = Order::Goal(GoalBy::Components(self.goal));
-        session.order(session.elapsed_ms(), goal)?;
+        session.command(session.elapsed_ms(), goal)?;
         let hello = session.open(next_number(session.number()), Clock::Device)?;
         match Fingerprint::from(&hello)
             .differences(&self.fingerprint())
             .first()
         {
-            Some(what) => Err(LinkError::Unlike { what }),
+            Some(what) => Err(LinkError::Mismatch { what }),
             None => Ok(()),
         }
     }
 
-    /// A configuration as on the wire.
-    pub(super) fn of_config(config: &Config<16>) -> Result<Vec<u8>, LinkError> {
+    /// A configuration as it is sent.
+    pub(super) fn encode_config(config: &Config<16>) -> Result<Vec<u8>, LinkError> {
         match config.to_bytes(&mut [0; MAX_CONFIG]) {
             [] => Err(LinkError::Refused(Refusal::Config)),
             bytes => Ok(bytes.to_vec()),
@@ -145,7 +145,7 @@ impl Knowledge {
         bytes
     }
 
-    /// Its checksums as a mind says them.
+    /// The checksums that a controller would report.
     #[must_use]
     pub fn fingerprint(&self) -> Fingerprint {
         let mut maps = CRC.digest();
@@ -175,7 +175,7 @@ impl Knowledge {
         &self.state
     }
 
-    /// Maps and memory alone.
+    /// Maps and memory, without a copy.
     #[must_use]
     pub(super) fn into_state(self) -> Box<SimState> {
         self.state
@@ -204,13 +204,13 @@ impl Knowledge {
         file
     }
 
-    /// Reads a file's bytes.
+    /// Decodes a file.
     ///
     /// # Errors
-    /// Half a sentence that says why they are no such file.
+    /// A clause that says what is wrong.
     pub fn from_bytes(file: &[u8]) -> Result<Self, String> {
         if !file.starts_with(b"AMPS") {
-            return Err("it holds no mind (see `host-sim link --help`, pull)".into());
+            return Err("it holds no controller (see `host-sim link --help`, pull)".into());
         }
         let fresh = SimState::new(Grid::rectangle(4, 4));
         let mut knowledge = Self::new(Config::recommended(), fresh);
@@ -226,12 +226,12 @@ impl Knowledge {
         };
         match contents.read(&mut read, file.len()) {
             Ok(found) if found.bytes == file.len() => Ok(knowledge),
-            Ok(_) => Err("something stands behind its end".into()),
+            Ok(_) => Err("there are bytes after its end".into()),
             Err(fault) => Err(fault.to_string()),
         }
     }
 
-    /// Writes the file: whole or not at all.
+    /// Writes the file, completely or not at all.
     ///
     /// # Errors
     /// When it cannot be written.
@@ -243,15 +243,15 @@ impl Knowledge {
     /// Reads a file.
     ///
     /// # Errors
-    /// When it cannot be read or holds no mind.
+    /// When it cannot be read or holds no controller.
     pub fn load(path: &Path) -> Result<Self, BadInput> {
         let file = files::read(path, MAX_FILE_BYTES)?;
         Self::from_bytes(&file).map_err(|why| BadInput::file(path, why))
     }
 }
 
-/// Refuses when parts may not be written, before anything is.
-fn refuse_moving(session: &mut Session) -> Result<(), LinkError> {
+/// Refuses before anything is written while the robot is not at rest.
+fn require_idle(session: &mut Session) -> Result<(), LinkError> {
     match session.mode()? {
         ModeReport::Idle | ModeReport::Stopped(_) => Ok(()),
         ModeReport::Explore { .. } | ModeReport::Learn | ModeReport::Seek => {

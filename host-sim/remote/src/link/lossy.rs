@@ -1,29 +1,29 @@
-//! Bad lines, for tests.
+//! Bad transports, for tests.
 
 use super::Transport;
 use std::collections::VecDeque;
 use std::io;
 use std::time::{Duration, Instant};
 
-/// After this time a [`Flood`] breaks.
+/// A [`Flood`] fails after this time.
 const FLOOD_DURATION: Duration = Duration::from_secs(5);
 
-/// A way on which whole frames get lost, at regular intervals.
+/// Loses whole frames at regular intervals.
 pub struct Lossy<T> {
     inner: T,
-    outgoing: Sieve,
-    incoming: Sieve,
+    outgoing: FrameDropper,
+    incoming: FrameDropper,
     ready: VecDeque<u8>,
 }
 
-/// Drops every so-manieth frame.
-struct Sieve {
+/// Drops every n-th frame.
+struct FrameDropper {
     every: u32,
     seen: u32,
     frame: Vec<u8>,
 }
 
-impl Sieve {
+impl FrameDropper {
     fn new(every: u32) -> Self {
         Self {
             every,
@@ -32,7 +32,7 @@ impl Sieve {
         }
     }
 
-    /// Takes bytes and returns the frames they complete, as far as they get through.
+    /// Takes bytes; returns the complete frames that are not dropped.
     fn pass(&mut self, bytes: &[u8]) -> Vec<u8> {
         let mut passed = Vec::new();
         for &byte in bytes {
@@ -40,7 +40,7 @@ impl Sieve {
             if byte != 0 {
                 continue;
             }
-            // A zero alone is no frame.
+            // A single zero is no frame.
             let counts = self.frame.len() > 1;
             self.seen += u32::from(counts);
             if !(counts && self.every > 0 && self.seen.is_multiple_of(self.every)) {
@@ -53,13 +53,13 @@ impl Sieve {
 }
 
 impl<T: Transport> Lossy<T> {
-    /// Loses every `outgoing`th frame on the way there and every `incoming`th on the way back; 0 = none.
+    /// Loses every `outgoing`th sent and every `incoming`th received frame; 0 = none.
     #[must_use]
     pub fn new(inner: T, outgoing: u32, incoming: u32) -> Self {
         Self {
             inner,
-            outgoing: Sieve::new(outgoing),
-            incoming: Sieve::new(incoming),
+            outgoing: FrameDropper::new(outgoing),
+            incoming: FrameDropper::new(incoming),
             ready: VecDeque::new(),
         }
     }
@@ -70,10 +70,10 @@ impl<T: Transport> Transport for Lossy<T> {
         self.inner.send(&self.outgoing.pass(bytes))
     }
 
-    fn receive(&mut self, buffer: &mut [u8], patience: Duration) -> io::Result<usize> {
+    fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
         while self.ready.is_empty() {
             let mut raw = [0; 256];
-            let count = self.inner.receive(&mut raw, patience)?;
+            let count = self.inner.receive(&mut raw, timeout)?;
             if count == 0 {
                 return Ok(0);
             }
@@ -84,7 +84,7 @@ impl<T: Transport> Transport for Lossy<T> {
     }
 }
 
-/// A line at whose end nobody is. Waits take no time.
+/// Never answers. Waits take no time.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Silent;
 
@@ -98,15 +98,15 @@ impl Transport for Silent {
     }
 }
 
-/// A line whose other end never pauses: each wait brings what `say` gives, at once. It breaks after 5 s, so that even a wait
-/// for its silence ends.
+/// Never stops sending: each wait returns the bytes of `say` at once. It fails after 5 s, so that a
+/// test that waits for silence ends.
 pub struct Flood<F> {
     say: F,
     began: Option<Instant>,
 }
 
 impl<F: FnMut() -> Vec<u8> + Send> Flood<F> {
-    /// A line that brings this.
+    /// Sends the bytes of `say`.
     #[must_use]
     pub fn of(say: F) -> Self {
         Self { say, began: None }
@@ -132,12 +132,12 @@ mod tests {
 
     #[test]
     fn every_third_frame_is_lost_whole_wherever_the_bytes_are_cut() {
-        let mut sieve = Sieve::new(3);
+        let mut sieve = FrameDropper::new(3);
         let passed: Vec<u8> = [&[1, 1][..], &[0, 0, 2, 0, 3], &[3, 0, 4, 0]]
             .iter()
             .flat_map(|bytes| sieve.pass(bytes))
             .collect();
         assert_eq!(passed, [1, 1, 0, 0, 2, 0, 4, 0]);
-        assert_eq!(Sieve::new(0).pass(&[1, 0, 2, 0]), [1, 0, 2, 0]);
+        assert_eq!(FrameDropper::new(0).pass(&[1, 0, 2, 0]), [1, 0, 2, 0]);
     }
 }

@@ -1,26 +1,26 @@
-//! Machines that QEMU emulates and the firmware runs on.
+//! Machines that QEMU emulates and the firmware supports.
 
-/// A machine, and how the firmware for it is built.
+/// A machine and the build parameters of its firmware.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Machine {
-    /// Package of the firmware's board.
+    /// Package of the board.
     pub package: &'static str,
     /// Program in that package.
     pub program: &'static str,
-    /// Features of that package.
+    /// Features to enable.
     pub features: &'static str,
-    /// Target of the compiler.
+    /// Compilation target.
     pub target: &'static str,
-    /// The emulator's program.
+    /// Program name of the emulator.
     pub emulator: &'static str,
-    /// The Debian package that has the emulator.
+    /// Debian package of the emulator.
     pub install: &'static str,
-    /// What the emulator is started with. The link is the serial port after these.
+    /// Arguments of the emulator. The serial port after these is the link.
     pub arguments: &'static [&'static str],
 }
 
 impl Machine {
-    /// Olimex STM32-H405: the board that `qemu` means.
+    /// Olimex STM32-H405, the machine of the address `qemu`.
     pub const OLIMEX_H405: Self = Self {
         package: "stm32f405",
         program: "olimex_h405",
@@ -31,7 +31,7 @@ impl Machine {
         arguments: &["-M", "netduinoplus2"],
     };
 
-    /// Adafruit Feather STM32F405 Express: the same chip with the link at its third port.
+    /// Adafruit Feather STM32F405 Express: the same chip; the link is its third port.
     pub const FEATHER_F405: Self = Self {
         program: "feather_f405",
         arguments: &["-M", "netduinoplus2", "-serial", "null", "-serial", "null"],
@@ -49,7 +49,7 @@ impl Machine {
         arguments: &["-M", "microbit"],
     };
 
-    /// A RISC-V machine that exists in QEMU only.
+    /// A RISC-V machine that exists only in QEMU.
     pub const RISCV32_VIRT: Self = Self {
         package: "riscv32_virt",
         program: "riscv32_virt",

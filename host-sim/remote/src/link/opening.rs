@@ -1,19 +1,19 @@
-//! How a session begins.
+//! Opens a session.
 
 use super::{LinkError, Session};
 use amp::wire::message::{Clock, Dimensions, FromMind, HostHello, MindHello, Refusal};
 use amp::wire::{PROTOCOL, SCHEMA, ToMind};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
-/// What both ends have to agree on, as this program has it.
-const OURS: Dimensions = Dimensions {
+/// Protocol and dimensions of this program.
+const LOCAL: Dimensions = Dimensions {
     protocol: PROTOCOL,
     schema: SCHEMA,
     sensors: 16,
     neurons: 16,
 };
 
-/// A number for a session, most likely unlike that of the one before: from the clock, never 0.
+/// A session number from the clock, most likely unlike the one before, never 0.
 #[must_use]
 pub fn fresh_number() -> u16 {
     let now = SystemTime::now()
@@ -22,30 +22,32 @@ pub fn fresh_number() -> u16 {
     (now.as_micros() as u16).max(1)
 }
 
-/// Number of the session after `number`.
+/// The session number after `number`.
 #[must_use]
 pub fn next_number(number: u16) -> u16 {
     number.wrapping_add(1).max(1)
 }
 
 impl Session {
-    /// Opens session `number`, or the next one if the mind has that one open already. A robot that moves stops.
+    /// Opens session `number`, or the next one if the controller already has that session. A moving
+    /// robot stops.
     ///
     /// # Errors
-    /// [`LinkError`]: no answer, an incompatible one, a broken way.
+    /// [`LinkError`]: no answer, an incompatible controller, a broken transport.
     pub fn open(&mut self, number: u16, clock: Clock) -> Result<MindHello, LinkError> {
-        let foreign = self.foreign;
+        let unknown_messages = self.unknown_messages;
         let mut opening = self.begin(number.max(1), clock)?;
         let mut due = 0_u16;
-        for _ in 0..self.patience.attempts {
+        for _ in 0..self.retry.attempts {
             self.send(&opening)?;
             due = due.saturating_add(1);
             match self.await_hello(&opening, &mut due)? {
-                Some(hello) if self.mind_seq.is_some_and(|seq| seq <= due) => {
+                Some(hello) if self.controller_seq.is_some_and(|seq| seq <= due) => {
                     self.hello = Some(hello);
                     return Ok(hello);
                 }
-                // It has said more in this session than we know of: the session is an older one's.
+                // The controller has sent more reports than this session requested: the session is
+                // an old one.
                 Some(_) => {
                     opening = self.begin(next_number(self.number), clock)?;
                     due = 0;
@@ -53,48 +55,49 @@ impl Session {
                 None => {}
             }
         }
-        Err(if self.foreign > foreign {
-            LinkError::Foreign
+        Err(if self.unknown_messages > unknown_messages {
+            LinkError::UnknownMessages
         } else {
-            self.silent()
+            self.no_answer()
         })
     }
 
     /// Begins session `number` on this side and returns the frame that opens it.
     fn begin(&mut self, number: u16, clock: Clock) -> Result<Vec<u8>, LinkError> {
         (self.number, self.seq) = (number, 0);
-        (self.mind_seq, self.missing, self.given_up) = (None, Vec::new(), 0);
+        (self.controller_seq, self.missing, self.given_up) = (None, Vec::new(), 0);
         self.hello = None;
-        self.heard.clear();
-        self.burst.clear();
+        self.received.clear();
+        self.pending.clear();
         self.began = Instant::now();
-        // A zero first: whatever half a frame the mind has heard ends here.
-        self.burst.push(0);
-        self.put(&ToMind::Hello(HostHello {
-            dimensions: OURS,
+        // A zero ends any half frame in the controller's receiver.
+        self.pending.push(0);
+        self.queue(&ToMind::Hello(HostHello {
+            dimensions: LOCAL,
             clock,
             open_space: self.open_space,
         }))?;
-        Ok(std::mem::take(&mut self.burst))
+        Ok(std::mem::take(&mut self.pending))
     }
 
-    /// Waits for the hello; `due` counts what the mind should have said in this session until then.
+    /// Waits for the hello. `due` counts the reports that the controller should have sent in this
+    /// session.
     fn await_hello(
         &mut self,
         opening: &[u8],
         due: &mut u16,
     ) -> Result<Option<MindHello>, LinkError> {
-        let until = Instant::now() + self.patience.attempt;
+        let until = Instant::now() + self.retry.timeout;
         while let Some((header, report)) = self.next(until)? {
             match report.said {
                 FromMind::Hello(hello) if header.session == self.number => {
-                    self.mind_seq = Some(header.seq);
+                    self.controller_seq = Some(header.seq);
                     return match hello.dimensions {
-                        OURS => Ok(Some(hello)),
+                        LOCAL => Ok(Some(hello)),
                         theirs => Err(LinkError::Incompatible(theirs)),
                     };
                 }
-                // It has just started: what was said to it before is lost.
+                // The controller has just started, so the frame before was lost.
                 FromMind::Hello(_) if header.session == 0 => {
                     self.send(opening)?;
                     *due = due.saturating_add(1);
@@ -103,7 +106,7 @@ impl Session {
                     why: Refusal::Incompatible(theirs),
                     ..
                 } => return Err(LinkError::Incompatible(theirs)),
-                // What it says of itself, as that it has long heard nothing.
+                // A report that no request caused, such as the loss of the link.
                 _ => *due = due.saturating_add(u16::from(header.session == self.number)),
             }
         }
@@ -115,15 +118,15 @@ impl Session {
 mod tests {
     use super::*;
     use crate::link::tests::floods::frames;
-    use crate::link::{Flood, Patience};
+    use crate::link::{Flood, RetryPolicy};
     use std::time::Duration;
 
     #[test]
     fn what_a_mind_should_have_said_is_counted_to_an_end() {
         let mut session = Session::new(Flood::of(frames(1, 1)));
         session.number = 1;
-        session.set_patience(Patience {
-            attempt: Duration::from_millis(20),
+        session.set_retry_policy(RetryPolicy {
+            timeout: Duration::from_millis(20),
             attempts: 1,
         });
         let mut due = u16::MAX - 1;

@@ -1,4 +1,4 @@
-//! The firmware in an emulated chip, as a child of this process.
+//! Runs the firmware in an emulator, as a child process.
 
 use super::{LinkError, Machine, Tcp, Transport};
 use std::io::{self, BufRead, BufReader, ErrorKind, Read};
@@ -8,32 +8,32 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How long the emulator may take to start.
-const STARTING: Duration = Duration::from_secs(10);
+/// Limit for the start of the emulator.
+const START_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// How long it may take to end after its end of the line has gone.
-const ENDING: Duration = Duration::from_millis(500);
+/// Limit for its exit after its end of the socket has closed.
+const EXIT_TIMEOUT: Duration = Duration::from_millis(500);
 
-/// Time between two looks at it while it starts or ends.
-const GLANCE: Duration = Duration::from_millis(2);
+/// Poll interval while it starts or ends.
+const POLL_INTERVAL: Duration = Duration::from_millis(2);
 
-/// Most bytes kept of what the emulator said.
-const MAX_KEPT: usize = 4_096;
+/// Size of the kept tail of its standard error.
+const MAX_STDERR_BYTES: usize = 4_096;
 
-/// Kills a process as soon as its own standard input ends, which it does however this process ends.
-const WATCH: &str = "read -r _; kill -KILL \"$1\" 2>/dev/null";
+/// Kills a process when this script's standard input closes, however this process ends.
+const KILL_SCRIPT: &str = "read -r _; kill -KILL \"$1\" 2>/dev/null";
 
-/// A running emulator. Ends when dropped, or when this process ends.
+/// A running emulator. It ends when this is dropped or this process ends.
 pub struct Qemu {
     process: KillOnDrop,
     line: Tcp,
-    said: Said,
+    stderr_tail: StderrTail,
 }
 
-/// What was said on standard error.
-type Said = Arc<Mutex<String>>;
+/// The tail of the child's standard error.
+type StderrTail = Arc<Mutex<String>>;
 
-/// A child and whoever ends it when we cannot.
+/// A child, and a watcher that kills it when this process cannot.
 struct KillOnDrop {
     child: Child,
     watcher: Option<Child>,
@@ -41,7 +41,7 @@ struct KillOnDrop {
 }
 
 impl Qemu {
-    /// Starts the image on a machine; with `verbose`, what the emulator says goes to standard error as well.
+    /// Starts an image on a machine; with `verbose` its standard error is copied to ours.
     ///
     /// # Errors
     /// [`LinkError::Open`] without the image or the emulator, or when it ends at once.
@@ -55,23 +55,23 @@ impl Qemu {
         let listener = TcpListener::bind(("127.0.0.1", 0)).map_err(no_socket)?;
         let port = listener.local_addr().map_err(no_socket)?.port();
         let mut process = KillOnDrop::spawn(machine, image, port)?;
-        let said = process.overhear(verbose);
-        let stream = process.accept(&listener, &said)?;
+        let stderr_tail = process.capture_stderr(verbose);
+        let stream = process.accept(&listener, &stderr_tail)?;
         let line = Tcp::new(stream).map_err(no_socket)?;
         Ok(Self {
             process,
             line,
-            said,
+            stderr_tail,
         })
     }
 
-    /// What the emulator and, by semihosting, the firmware have said on standard error; the end of it.
+    /// Tail of the standard error of the emulator, and of the firmware's semihosting log.
     #[must_use]
-    pub fn said(&self) -> String {
-        text(&self.said)
+    pub fn stderr(&self) -> String {
+        text(&self.stderr_tail)
     }
 
-    /// The emulator's process number.
+    /// Process number of the emulator.
     #[must_use]
     pub fn id(&self) -> u32 {
         self.process.child.id()
@@ -83,20 +83,24 @@ impl Transport for Qemu {
         self.line.send(bytes)
     }
 
-    fn receive(&mut self, buffer: &mut [u8], patience: Duration) -> io::Result<usize> {
-        self.line.receive(buffer, patience)
+    fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
+        self.line.receive(buffer, timeout)
     }
 
-    fn last_words(&mut self) -> Option<String> {
-        let until = Instant::now() + ENDING;
+    fn exit_message(&mut self) -> Option<String> {
+        let until = Instant::now() + EXIT_TIMEOUT;
         loop {
             if let Some(status) = self.process.child.try_wait().ok()? {
-                return Some(ended(self.process.emulator, status, &text(&self.said)));
+                return Some(ended(
+                    self.process.emulator,
+                    status,
+                    &text(&self.stderr_tail),
+                ));
             }
             if Instant::now() >= until {
                 return None;
             }
-            std::thread::sleep(GLANCE);
+            std::thread::sleep(POLL_INTERVAL);
         }
     }
 }
@@ -121,7 +125,7 @@ impl KillOnDrop {
             .spawn();
         match spawned {
             Ok(child) => Ok(Self {
-                watcher: watch(child.id()),
+                watcher: spawn_watcher(child.id()),
                 child,
                 emulator,
             }),
@@ -133,22 +137,26 @@ impl KillOnDrop {
         }
     }
 
-    /// Keeps the end of what the child says on standard error.
-    fn overhear(&mut self, verbose: bool) -> Said {
-        let said = Said::default();
+    /// Reads the child's standard error and keeps the tail.
+    fn capture_stderr(&mut self, verbose: bool) -> StderrTail {
+        let stderr_tail = StderrTail::default();
         if let Some(stderr) = self.child.stderr.take() {
-            let keeper = Arc::clone(&said);
-            std::thread::spawn(move || keep(stderr, &keeper, verbose));
+            let copy = Arc::clone(&stderr_tail);
+            std::thread::spawn(move || copy_lines(stderr, &copy, verbose));
         }
-        said
+        stderr_tail
     }
 
-    /// Waits until the emulator has connected to its end of the line.
-    fn accept(&mut self, listener: &TcpListener, said: &Said) -> Result<TcpStream, LinkError> {
+    /// Waits until the emulator has connected.
+    fn accept(
+        &mut self,
+        listener: &TcpListener,
+        stderr_tail: &StderrTail,
+    ) -> Result<TcpStream, LinkError> {
         let emulator = self.emulator;
         let failed = |error: io::Error| refused(format!("{emulator} cannot be reached: {error}"));
         listener.set_nonblocking(true).map_err(failed)?;
-        let until = Instant::now() + STARTING;
+        let until = Instant::now() + START_TIMEOUT;
         while Instant::now() < until {
             match listener.accept() {
                 Ok((stream, _)) => {
@@ -159,33 +167,33 @@ impl KillOnDrop {
                 Err(error) => return Err(failed(error)),
             }
             if let Some(status) = self.child.try_wait().map_err(failed)? {
-                return Err(refused(ended(emulator, status, &text(said))));
+                return Err(refused(ended(emulator, status, &text(stderr_tail))));
             }
-            std::thread::sleep(GLANCE);
+            std::thread::sleep(POLL_INTERVAL);
         }
         Err(refused(format!(
             "{emulator} has not started within {} s",
-            STARTING.as_secs()
+            START_TIMEOUT.as_secs()
         )))
     }
 }
 
 impl Drop for KillOnDrop {
     fn drop(&mut self) {
-        // First the watcher: afterwards the number may be another process's.
+        // The watcher ends first: later the child's number may belong to another process.
         let children = self.watcher.iter_mut().chain([&mut self.child]);
         for child in children {
-            // It may have ended by itself.
+            // The child may already have ended.
             let _ = child.kill();
             let _ = child.wait();
         }
     }
 }
 
-/// Starts the child's watcher. Where there is no shell, a child may outlive us if we are killed.
-fn watch(id: u32) -> Option<Child> {
+/// Starts the watcher. Without a shell a child may outlive a killed parent.
+fn spawn_watcher(id: u32) -> Option<Child> {
     Command::new("sh")
-        .args(["-c", WATCH, "watch"])
+        .args(["-c", KILL_SCRIPT, "watch"])
         .arg(id.to_string())
         .stdin(Stdio::piped())
         .stdout(Stdio::null())
@@ -194,7 +202,7 @@ fn watch(id: u32) -> Option<Child> {
         .ok()
 }
 
-fn keep(stderr: impl Read, said: &Said, verbose: bool) {
+fn copy_lines(stderr: impl Read, stderr_tail: &StderrTail, verbose: bool) {
     let mut lines = BufReader::new(stderr);
     let mut line = Vec::new();
     while lines
@@ -205,31 +213,32 @@ fn keep(stderr: impl Read, said: &Said, verbose: bool) {
         if verbose {
             eprint!("{text}");
         }
-        let mut said = said.lock().unwrap_or_else(PoisonError::into_inner);
-        said.push_str(&text);
-        let mut surplus = said.len().saturating_sub(MAX_KEPT);
-        while !said.is_char_boundary(surplus) {
+        let mut stderr_tail = stderr_tail.lock().unwrap_or_else(PoisonError::into_inner);
+        stderr_tail.push_str(&text);
+        let mut surplus = stderr_tail.len().saturating_sub(MAX_STDERR_BYTES);
+        while !stderr_tail.is_char_boundary(surplus) {
             surplus += 1;
         }
-        said.drain(..surplus);
+        stderr_tail.drain(..surplus);
         line.clear();
     }
 }
 
-fn text(said: &Said) -> String {
-    said.lock()
+fn text(stderr_tail: &StderrTail) -> String {
+    stderr_tail
+        .lock()
         .unwrap_or_else(PoisonError::into_inner)
         .trim_end()
         .to_owned()
 }
 
-fn ended(emulator: &str, status: std::process::ExitStatus, said: &str) -> String {
-    // After a complaint of its own come the processor's registers.
-    let own = said.lines().rfind(|line| line.starts_with("qemu"));
-    let last = own.or_else(|| said.lines().last());
+fn ended(emulator: &str, status: std::process::ExitStatus, stderr_tail: &str) -> String {
+    // After its own message the emulator prints the registers.
+    let own = stderr_tail.lines().rfind(|line| line.starts_with("qemu"));
+    let last = own.or_else(|| stderr_tail.lines().last());
     format!(
         "{emulator} has ended ({status}): {}",
-        last.unwrap_or("it said nothing")
+        last.unwrap_or("it stderr_tail nothing")
     )
 }
 

@@ -1,32 +1,32 @@
-//! Bytes to and from a mind.
+//! Transports that carry bytes to and from a controller.
 
 use super::LinkError;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::Duration;
 
-/// How long opening a socket may take.
-const OPENING: Duration = Duration::from_secs(5);
+/// Limit for opening a socket.
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// A peer that takes no byte for so long is given up.
-const MAX_SEND: Duration = Duration::from_secs(10);
+/// Limit for sending to a peer that does not read.
+const SEND_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// Carries bytes, in order; what is lost or damaged on the way is the frames' affair.
+/// Carries bytes in order. The frames detect lost and damaged bytes.
 pub trait Transport: Send {
     /// Sends all bytes.
     ///
     /// # Errors
-    /// When the way is broken.
+    /// When the transport is broken.
     fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
 
-    /// Waits for bytes and returns how many there are: 0 only after nothing has come for as long as `patience`.
+    /// Waits for bytes and returns their number; 0 means a timeout.
     ///
     /// # Errors
-    /// When the way is broken or was closed from the other end.
-    fn receive(&mut self, buffer: &mut [u8], patience: Duration) -> io::Result<usize>;
+    /// When the transport is broken or closed.
+    fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize>;
 
-    /// What the other end left behind when it went, in a few words for a person.
-    fn last_words(&mut self) -> Option<String> {
+    /// A short message about the other end's exit, if it has left one.
+    fn exit_message(&mut self) -> Option<String> {
         None
     }
 }
@@ -36,12 +36,12 @@ impl<T: Transport + ?Sized> Transport for Box<T> {
         (**self).send(bytes)
     }
 
-    fn receive(&mut self, buffer: &mut [u8], patience: Duration) -> io::Result<usize> {
-        (**self).receive(buffer, patience)
+    fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
+        (**self).receive(buffer, timeout)
     }
 
-    fn last_words(&mut self) -> Option<String> {
-        (**self).last_words()
+    fn exit_message(&mut self) -> Option<String> {
+        (**self).exit_message()
     }
 }
 
@@ -49,7 +49,7 @@ impl<T: Transport + ?Sized> Transport for Box<T> {
 #[derive(Debug)]
 pub struct Tcp {
     stream: TcpStream,
-    patience: Duration,
+    timeout: Duration,
 }
 
 impl Tcp {
@@ -63,7 +63,7 @@ impl Tcp {
         };
         let mut last = io::Error::new(ErrorKind::NotFound, "the name has no address");
         for address in host.to_socket_addrs().map_err(refuse)? {
-            match TcpStream::connect_timeout(&address, OPENING) {
+            match TcpStream::connect_timeout(&address, CONNECT_TIMEOUT) {
                 Ok(stream) => return Self::new(stream).map_err(refuse),
                 Err(error) => last = error,
             }
@@ -71,21 +71,21 @@ impl Tcp {
         Err(refuse(last))
     }
 
-    /// Takes over a connection.
+    /// Wraps an open connection.
     ///
     /// # Errors
     /// When the system refuses its options.
     pub fn new(stream: TcpStream) -> io::Result<Self> {
-        // A small frame must not wait for the acknowledgement of the one before: 40 ms.
+        // Without this, a small frame waits 40 ms for the acknowledgment of the one before.
         stream.set_nodelay(true)?;
-        stream.set_write_timeout(Some(MAX_SEND))?;
+        stream.set_write_timeout(Some(SEND_TIMEOUT))?;
         Ok(Self {
             stream,
-            patience: Duration::ZERO,
+            timeout: Duration::ZERO,
         })
     }
 
-    /// Gives the peer up when it takes no byte for this time, instead of 10 s.
+    /// Replaces the send timeout of 10 s.
     ///
     /// # Errors
     /// When the system refuses.
@@ -105,12 +105,12 @@ impl Transport for Tcp {
         })
     }
 
-    fn receive(&mut self, buffer: &mut [u8], patience: Duration) -> io::Result<usize> {
-        // Zero would mean: for ever.
-        let patience = patience.max(Duration::from_millis(1));
-        if patience != self.patience {
-            self.stream.set_read_timeout(Some(patience))?;
-            self.patience = patience;
+    fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
+        // Zero would mean no timeout.
+        let timeout = timeout.max(Duration::from_millis(1));
+        if timeout != self.timeout {
+            self.stream.set_read_timeout(Some(timeout))?;
+            self.timeout = timeout;
         }
         received(|| self.stream.read(buffer))
     }
@@ -137,7 +137,7 @@ impl Serial {
             }
         };
         let port = serial2::SerialPort::open(path, baud).map_err(refuse)?;
-        // What came before is nobody's answer.
+        // Discards bytes that arrived before.
         port.discard_input_buffer().map_err(refuse)?;
         Ok(Self { port })
     }
@@ -148,14 +148,14 @@ impl Transport for Serial {
         self.port.write_all(bytes)
     }
 
-    fn receive(&mut self, buffer: &mut [u8], patience: Duration) -> io::Result<usize> {
+    fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
         self.port
-            .set_read_timeout(patience.max(Duration::from_millis(1)))?;
+            .set_read_timeout(timeout.max(Duration::from_millis(1)))?;
         received(|| self.port.read(buffer))
     }
 }
 
-/// Reads once; no bytes in time are 0, no bytes at all an error.
+/// Reads once. A timeout is 0 bytes; a closed connection is an error.
 fn received(mut read: impl FnMut() -> io::Result<usize>) -> io::Result<usize> {
     loop {
         return match read() {

@@ -1,12 +1,10 @@
-//! Checks an MCAP file before anything in it is used.
+//! Checks an MCAP file completely before it is used.
 //!
-//! A file ends with a checksum of all its data, which a file that was cut off lacks; each chunk has one of its own. Every
-//! length is compared with the file, with a literal limit and with the lengths inside its record before memory is taken
-//! for it. The reader of the `mcap` crate does not do that: it allocates whatever a length field asks for.
-//!
-//! *Cut off* is a file that ends inside a record or without an end, and is sound up to there. Everything else is *damaged*.
+//! Every length is compared with the file, a limit and its record before memory is allocated; the
+//! `mcap` crate does not do that. A *cut off* file ends inside a record or without an end and is
+//! valid up to there. Any other defect is *damage*.
 
-use super::fields::Fields;
+use super::fields::FieldReader;
 use super::read::Ending;
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use mcap::MAGIC;
@@ -15,13 +13,13 @@ use std::fmt;
 use std::io::Read;
 use std::ops::Range;
 
-/// Largest chunk, before and after compression, bytes. A chunk has 128 KiB and the message that filled it.
+/// Maximum chunk size, before and after compression, bytes. A chunk has 128 KiB plus one message.
 pub(super) const MAX_CHUNK_BYTES: u64 = 64 << 20;
 
-/// Largest record other than a chunk, bytes.
+/// Maximum size of any other record, bytes.
 const MAX_RECORD_BYTES: u64 = 64 << 20;
 
-/// Opcode and length of a record, bytes.
+/// Size of opcode and length of a record, bytes.
 const PREFIX_BYTES: usize = 1 + 8;
 
 /// The CRC-32 of MCAP.
@@ -30,7 +28,7 @@ const CRC: Crc<u32, Table<16>> = Crc::<u32, Table<16>>::new(&CRC_32_ISO_HDLC);
 /// Records between the header and the end of the data.
 const DATA: &[u8] = &[op::CHUNK, op::MESSAGE_INDEX, op::DATA_END];
 
-/// Records behind the end of the data.
+/// Records after the end of the data.
 const SUMMARY: &[u8] = &[
     op::SCHEMA,
     op::CHANNEL,
@@ -40,52 +38,52 @@ const SUMMARY: &[u8] = &[
     op::FOOTER,
 ];
 
-/// Where a file is damaged, and how.
+/// Position and kind of damage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Damage {
-    /// Offset of the record, bytes from the beginning of the file; for what is inside a chunk that of the chunk.
+pub struct LogDamage {
+    /// Offset of the record in the file, bytes; of the chunk, if it is inside one.
     pub at: usize,
-    /// What is wrong there.
-    pub defect: Defect,
+    /// Kind of damage.
+    pub defect: LogDefect,
 }
 
-/// What is wrong in a file.
+/// Kind of damage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Defect {
-    /// A record of a kind that has no place there.
+pub enum LogDefect {
+    /// A record of an unexpected kind.
     Kind(u8),
-    /// A record longer than any may be.
+    /// A record longer than the limit.
     TooLong(u64),
     /// A record that goes beyond the end of a finished file.
     BeyondEnd,
-    /// A record whose length is not that of its fields.
+    /// A record whose length contradicts its fields.
     Length,
-    /// A chunk in another compression than LZ4.
+    /// A chunk that is not compressed with LZ4.
     Compression,
-    /// A chunk that cannot be decompressed to the size it names.
+    /// A chunk that does not decompress to its size.
     Decompression,
-    /// Data that do not match their checksum; the part of the file they are in.
+    /// A checksum mismatch in this part of the file.
     Checksum(&'static str),
-    /// A message on a channel that was not announced, or a channel announced twice in different ways.
+    /// A message on an unknown channel, or two different definitions of a channel.
     Channel,
-    /// A message whose number does not follow the one before.
+    /// A message out of sequence.
     Number {
-        /// Number that follows.
+        /// Number after that of the message before.
         expected: u32,
         /// Number of the message.
         found: u32,
     },
-    /// The closing bytes are not those of MCAP.
+    /// The file does not end with the magic bytes.
     EndMagic,
 }
 
-impl fmt::Display for Damage {
+impl fmt::Display for LogDamage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "is damaged at byte {}: {}", self.at, self.defect)
     }
 }
 
-impl fmt::Display for Defect {
+impl fmt::Display for LogDefect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Kind(kind) => write!(f, "a record of kind 0x{kind:02x} has no place there"),
@@ -104,30 +102,30 @@ impl fmt::Display for Defect {
     }
 }
 
-impl std::error::Error for Damage {}
+impl std::error::Error for LogDamage {}
 
-/// A chunk whose data match their checksum.
+/// A chunk with a matching checksum.
 #[derive(Debug, Clone)]
 pub(super) struct Chunk {
     /// Offset of its record.
     pub at: usize,
-    /// Its compressed records in the file.
+    /// Its compressed records.
     compressed: Range<usize>,
-    /// Length of its records, at most [`MAX_CHUNK_BYTES`].
+    /// Size of its records, at most [`MAX_CHUNK_BYTES`].
     size: usize,
 }
 
 impl Chunk {
-    /// Its records, decompressed.
+    /// Decompresses its records.
     ///
     /// # Errors
-    /// Bytes that are no LZ4 or are not of the size named.
-    pub fn records(&self, file: &[u8]) -> Result<Vec<u8>, Damage> {
-        let damage = || damage(self.at, Defect::Decompression);
+    /// Bytes that are not LZ4, or another size.
+    pub fn records(&self, file: &[u8]) -> Result<Vec<u8>, LogDamage> {
+        let damage = || damage(self.at, LogDefect::Decompression);
         let compressed = file.get(self.compressed.clone()).ok_or_else(damage)?;
         let decoder = lz4::Decoder::new(compressed).map_err(|_| damage())?;
         let mut records = Vec::with_capacity(self.size);
-        // One byte more, to see whether there is more.
+        // One byte more, to detect surplus data.
         let read = decoder.take(self.size as u64 + 1).read_to_end(&mut records);
         match read {
             Ok(size) if size == self.size => Ok(records),
@@ -136,14 +134,14 @@ impl Chunk {
     }
 }
 
-/// A record of the file itself.
-struct Record<'a> {
+/// A record of the file.
+struct FileRecord<'a> {
     at: usize,
     kind: u8,
     body: &'a [u8],
 }
 
-impl Record<'_> {
+impl FileRecord<'_> {
     fn end(&self) -> usize {
         self.at + PREFIX_BYTES + self.body.len()
     }
@@ -153,15 +151,15 @@ impl Record<'_> {
     }
 }
 
-fn damage(at: usize, defect: Defect) -> Damage {
-    Damage { at, defect }
+fn damage(at: usize, defect: LogDefect) -> LogDamage {
+    LogDamage { at, defect }
 }
 
-/// Checks a file that begins with the bytes of MCAP: its chunks, and how it ends.
+/// Checks the chunks and the end of a file that begins with the magic bytes.
 ///
 /// # Errors
 /// The first damage.
-pub(super) fn check(file: &[u8]) -> Result<(Vec<Chunk>, Ending), Damage> {
+pub(super) fn check(file: &[u8]) -> Result<(Vec<Chunk>, Ending), LogDamage> {
     let mut chunks = Vec::new();
     let Some(header) = next(file, MAGIC.len(), &[op::HEADER])? else {
         return Ok((chunks, Ending::Interrupted));
@@ -179,14 +177,14 @@ pub(super) fn check(file: &[u8]) -> Result<(Vec<Chunk>, Ending), Damage> {
                     .map_err(|defect| damage(record.at, defect))?;
                 return Ok((chunks, summary(file, at)?));
             }
-            // An index helps other tools to seek; it is not used here.
+            // Message indexes are for other tools and are not used here.
             _ => {}
         }
     }
 }
 
-/// Checks what follows the data.
-fn summary(file: &[u8], start: usize) -> Result<Ending, Damage> {
+/// Checks the records after the data.
+fn summary(file: &[u8], start: usize) -> Result<Ending, LogDamage> {
     let mut at = start;
     loop {
         let Some(record) = next(file, at, SUMMARY)? else {
@@ -194,10 +192,10 @@ fn summary(file: &[u8], start: usize) -> Result<Ending, Damage> {
         };
         at = record.end();
         if record.kind == op::FOOTER {
-            // The checksum is the footer's last field, and covers all before it.
+            // The checksum is the footer's last field and covers everything before it.
             let refuse = |defect| damage(record.at, defect);
             let checksum = record.body.last_chunk::<4>();
-            let checksum = checksum.ok_or_else(|| refuse(Defect::Length))?;
+            let checksum = checksum.ok_or_else(|| refuse(LogDefect::Length))?;
             let covered = start..at - checksum.len();
             compare(file, covered, checksum, "the summary").map_err(refuse)?;
             break;
@@ -207,46 +205,46 @@ fn summary(file: &[u8], start: usize) -> Result<Ending, Damage> {
     match rest {
         rest if rest == MAGIC => Ok(Ending::Complete),
         rest if MAGIC.starts_with(rest) => Ok(Ending::Interrupted),
-        _ => Err(damage(at, Defect::EndMagic)),
+        _ => Err(damage(at, LogDefect::EndMagic)),
     }
 }
 
-/// The record at a place; `None` where the file was cut off.
-fn next<'a>(file: &'a [u8], at: usize, kinds: &[u8]) -> Result<Option<Record<'a>>, Damage> {
+/// The record at an offset; `None` where the file was cut off.
+fn next<'a>(file: &'a [u8], at: usize, kinds: &[u8]) -> Result<Option<FileRecord<'a>>, LogDamage> {
     let refuse = |defect| Err(damage(at, defect));
-    // A finished file ends with the bytes of MCAP: no record goes beyond them.
+    // In a finished file no record reaches beyond the final magic bytes.
     let is_finished = file.len() > MAGIC.len() && file.ends_with(MAGIC);
     let cut_off = || match is_finished {
-        true => refuse(Defect::BeyondEnd),
+        true => refuse(LogDefect::BeyondEnd),
         false => Ok(None),
     };
-    let mut fields = Fields::of(file.get(at..).unwrap_or(&[]));
+    let mut fields = FieldReader::of(file.get(at..).unwrap_or(&[]));
     let Some(kind) = fields.u8() else {
         return cut_off();
     };
     if !kinds.contains(&kind) {
-        return refuse(Defect::Kind(kind));
+        return refuse(LogDefect::Kind(kind));
     }
     let Some(length) = fields.u64() else {
         return cut_off();
     };
     if length > MAX_RECORD_BYTES {
-        return refuse(Defect::TooLong(length));
+        return refuse(LogDefect::TooLong(length));
     }
-    // Tells a damaged length from a record that was cut off.
+    // Distinguishes a damaged length from a record that was cut off.
     let begun = fields.rest();
     if length_by_fields(kind, begun).is_some_and(|expected| expected != length) {
-        return refuse(Defect::Length);
+        return refuse(LogDefect::Length);
     }
     match begun.get(..length as usize) {
-        Some(body) => Ok(Some(Record { at, kind, body })),
+        Some(body) => Ok(Some(FileRecord { at, kind, body })),
         None => cut_off(),
     }
 }
 
-/// The length that a record's own fields give it, bytes; `None` if they are not there, or it has no such fields.
+/// Length of a record by its own fields, bytes; `None` if it has none or they are cut off.
 fn length_by_fields(kind: u8, begun: &[u8]) -> Option<u64> {
-    let mut fields = Fields::of(begun);
+    let mut fields = FieldReader::of(begun);
     match kind {
         op::HEADER => {
             let profile = fields.string()?;
@@ -257,7 +255,7 @@ fn length_by_fields(kind: u8, begun: &[u8]) -> Option<u64> {
             let head = ChunkHead::read(&mut fields)?;
             Some((head.bytes as u64).saturating_add(head.compressed_size))
         }
-        // A channel, the length of the entries, 16 bytes for each of them.
+        // Channel, length of the entries, 16 bytes per entry.
         op::MESSAGE_INDEX => {
             fields.u16()?;
             Some(6 + u64::from(fields.u32()?))
@@ -268,9 +266,9 @@ fn length_by_fields(kind: u8, begun: &[u8]) -> Option<u64> {
     }
 }
 
-/// The fields of a chunk before its records.
+/// The fields of a chunk in front of its records.
 struct ChunkHead<'a> {
-    /// Its own length, bytes.
+    /// Size of this head, bytes.
     bytes: usize,
     size: u64,
     checksum: u32,
@@ -279,7 +277,7 @@ struct ChunkHead<'a> {
 }
 
 impl<'a> ChunkHead<'a> {
-    fn read(fields: &mut Fields<'a>) -> Option<Self> {
+    fn read(fields: &mut FieldReader<'a>) -> Option<Self> {
         let before = fields.rest().len();
         // Times of the first and the last message.
         let (_, _) = (fields.u64()?, fields.u64()?);
@@ -296,15 +294,15 @@ impl<'a> ChunkHead<'a> {
 }
 
 /// Checks a chunk's size and checksum.
-fn chunk(file: &[u8], record: &Record<'_>) -> Result<Chunk, Damage> {
+fn chunk(file: &[u8], record: &FileRecord<'_>) -> Result<Chunk, LogDamage> {
     let refuse = |defect| damage(record.at, defect);
-    let head = ChunkHead::read(&mut Fields::of(record.body));
-    let head = head.ok_or_else(|| refuse(Defect::Length))?;
+    let head = ChunkHead::read(&mut FieldReader::of(record.body));
+    let head = head.ok_or_else(|| refuse(LogDefect::Length))?;
     if head.compression != b"lz4" {
-        return Err(refuse(Defect::Compression));
+        return Err(refuse(LogDefect::Compression));
     }
     if head.size > MAX_CHUNK_BYTES {
-        return Err(refuse(Defect::TooLong(head.size)));
+        return Err(refuse(LogDefect::TooLong(head.size)));
     }
     let chunk = Chunk {
         at: record.at,
@@ -312,22 +310,22 @@ fn chunk(file: &[u8], record: &Record<'_>) -> Result<Chunk, Damage> {
         size: head.size as usize,
     };
     if CRC.checksum(&chunk.records(file)?) != head.checksum {
-        return Err(refuse(Defect::Checksum("a chunk")));
+        return Err(refuse(LogDefect::Checksum("a chunk")));
     }
     Ok(chunk)
 }
 
-/// Compares a part of the file with its checksum.
+/// Compares the checksum of a part of the file.
 fn compare(
     file: &[u8],
     part: Range<usize>,
     checksum: &[u8],
     name: &'static str,
-) -> Result<(), Defect> {
+) -> Result<(), LogDefect> {
     let found = file.get(part).map(|bytes| CRC.checksum(bytes));
     match found.map(u32::to_le_bytes) {
         Some(found) if found == checksum => Ok(()),
-        _ => Err(Defect::Checksum(name)),
+        _ => Err(LogDefect::Checksum(name)),
     }
 }
 
@@ -339,7 +337,7 @@ mod tests {
     use arena::sonar::SonarModel;
     use std::path::Path;
 
-    /// A log of several chunks that was cut off behind the third, and the places of its chunks and of its end.
+    /// A log that was cut off after the third chunk; offsets of its chunks and of its end.
     fn cut_off() -> (Vec<u8>, Vec<usize>) {
         let mut bytes = logged(SonarModel::Nomad);
         let (chunks, ending) = check(&bytes).unwrap();
@@ -371,13 +369,13 @@ mod tests {
         }
     }
 
-    /// A log that was cut off lacks the checksum of all its data. LZ4's own guards the compressed bytes, and the chunk's has to
-    /// agree with them.
+    /// A log that was cut off has no checksum of all its data. The chunk's checksum and LZ4's own
+    /// have to cover it.
     #[test]
     fn every_byte_of_a_whole_chunk_counts_though_the_log_was_cut_off() {
         let (bytes, at) = cut_off();
         let compressed = check(&bytes).unwrap().0[1].compressed.clone();
-        // Behind opcode, length, two times and the size.
+        // After opcode, length, two times and the size.
         let checksum = at[1] + 33..at[1] + 37;
         for place in compressed.step_by(97).chain(checksum) {
             let mut bytes = bytes.clone();
@@ -390,18 +388,18 @@ mod tests {
     #[test]
     fn a_damaged_length_is_no_cut() {
         let (bytes, at) = cut_off();
-        // Of the third chunk's record, so that it seems to go beyond the end; of its index.
+        // In the third chunk's record, which then seems to exceed the file, and in its index.
         let index = check(&bytes).unwrap().0[2].compressed.end;
         for (place, record) in [(at[2] + 1 + 3, at[2]), (index + 1 + 3, index)] {
             let mut bytes = bytes.clone();
             bytes[place] ^= 1;
-            let expected = Damage {
+            let expected = LogDamage {
                 at: record,
-                defect: Defect::Length,
+                defect: LogDefect::Length,
             };
             assert_eq!(check(&bytes).unwrap_err(), expected);
         }
-        // A chunk that goes on behind the end of the file is cut off.
+        // A chunk that continues after the end of the file is cut off.
         let mut whole = bytes;
         whole.truncate(at[2] + 1_000);
         let (chunks, ending) = check(&whole).unwrap();
@@ -411,7 +409,7 @@ mod tests {
     #[test]
     fn sizes_are_bounded_before_memory_is_taken() {
         let (bytes, at) = cut_off();
-        // The size after decompression stands behind two times.
+        // The uncompressed size follows two times.
         let size_at = at[1] + PREFIX_BYTES + 16;
         let defect = |size: u64| {
             let mut bytes = bytes.clone();
@@ -420,13 +418,13 @@ mod tests {
         };
         let at = at[1];
         for (size, defect_found) in [
-            (u64::MAX, Defect::TooLong(u64::MAX)),
-            (67_108_865, Defect::TooLong(67_108_865)),
-            // More than LZ4 can make of the chunk's bytes.
-            (67_108_864, Defect::Decompression),
-            (131_000, Defect::Decompression),
+            (u64::MAX, LogDefect::TooLong(u64::MAX)),
+            (67_108_865, LogDefect::TooLong(67_108_865)),
+            // More than LZ4 can produce from these bytes.
+            (67_108_864, LogDefect::Decompression),
+            (131_000, LogDefect::Decompression),
         ] {
-            let expected = Damage {
+            let expected = LogDamage {
                 at,
                 defect: defect_found,
             };
@@ -434,9 +432,9 @@ mod tests {
         }
         let mut long = bytes;
         long[at + 1..at + 9].copy_from_slice(&67_108_865_u64.to_le_bytes());
-        let expected = Damage {
+        let expected = LogDamage {
             at,
-            defect: Defect::TooLong(67_108_865),
+            defect: LogDefect::TooLong(67_108_865),
         };
         assert_eq!(check(&long).unwrap_err(), expected);
     }

@@ -1,15 +1,15 @@
-//! The fields of MCAP records, little-endian, read from the front.
+//! Reads the little-endian fields of MCAP records.
 
-/// Bytes that are read field by field. A field that is not wholly there is `None`.
-pub(super) struct Fields<'a>(&'a [u8]);
+/// Reads fields from the front of a byte slice. An incomplete field is `None`.
+pub(super) struct FieldReader<'a>(&'a [u8]);
 
-impl<'a> Fields<'a> {
-    /// The fields of these bytes.
+impl<'a> FieldReader<'a> {
+    /// Starts at the front of `bytes`.
     pub fn of(bytes: &'a [u8]) -> Self {
         Self(bytes)
     }
 
-    /// What has not been read.
+    /// The bytes that are not read yet.
     pub fn rest(&self) -> &'a [u8] {
         self.0
     }
@@ -30,13 +30,13 @@ impl<'a> Fields<'a> {
         self.array().map(u64::from_le_bytes)
     }
 
-    /// A string, as bytes: its length in 32 bits, and its bytes.
+    /// A string as bytes, after its length in 32 bits.
     pub fn string(&mut self) -> Option<&'a [u8]> {
         let length = self.u32()?;
         self.bytes(u64::from(length))
     }
 
-    /// So many bytes.
+    /// The next `length` bytes.
     pub fn bytes(&mut self, length: u64) -> Option<&'a [u8]> {
         let length = usize::try_from(length).ok()?;
         let (bytes, rest) = self.0.split_at_checked(length)?;

@@ -1,13 +1,13 @@
-//! Logs of short episodes for tests, here and in the crates above.
+//! Logs of short episodes, for the tests of this crate and of others.
 
-use super::{Answer, Log, LogFile, channel, run};
+use super::{AnswerRecord, LogFile, LogWriter, channel, run};
 use amp::config::Config;
 use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::World;
+use sim::behavior::Behavior;
 use sim::episode::Setup;
-use sim::pilot::Mind;
-use sim::scenes::Behavior;
+use sim::pilot::LocalController;
 use std::io::Cursor;
 use std::path::Path;
 
@@ -36,29 +36,29 @@ pub fn logged(sonar: SonarModel) -> Vec<u8> {
     run(
         &world,
         &setup(sonar),
-        Mind::new(Config::recommended()),
+        LocalController::new(Config::recommended()),
         &path,
     )
     .unwrap();
     std::fs::read(path).unwrap()
 }
 
-/// The log in these bytes.
+/// Parses the bytes of a log.
 pub fn file(bytes: Vec<u8>) -> LogFile {
     LogFile::of(Path::new("a.mcap"), bytes).unwrap()
 }
 
-/// The log of an episode in which answer 40 is not what the mind says.
+/// A log whose answer 40 differs from the controller's.
 pub fn changed() -> LogFile {
     let original = file(logged(SonarModel::Ideal));
-    let mut log = Log::begin(Cursor::new(Vec::new()), "b.mcap").unwrap();
+    let mut log = LogWriter::begin(Cursor::new(Vec::new()), "b.mcap").unwrap();
     log.setup(original.setup(), Some(&World::random(3)));
     let mut answers = 0;
     for message in original.messages() {
         match message.topic.as_str() {
             channel::EVENT => log.event(&message.content().unwrap()),
             channel::PLAN => {
-                let mut answer: Answer = message.content().unwrap();
+                let mut answer: AnswerRecord = message.content().unwrap();
                 answers += 1;
                 if let (40, Some(motion)) = (answers, &mut answer.motion) {
                     motion.displacement_mm[0] += 1;

@@ -1,52 +1,38 @@
-//! Logs: what an episode's mind was told and what it answered, as an MCAP file that other tools open.
+//! Logs of a controller's inputs and answers as MCAP files, which other tools can open.
 //!
-//! | channel | schema | what |
-//! |---|---|---|
-//! | `/setup` | `amp.Setup` | at each start: the mind's configuration and the episode's conditions |
-//! | `/event` | `amp.Event` | everything the mind was told, with its time |
-//! | `/plan` | `amp.Plan` | everything it answered: decisions with their intermediate values, motions |
-//! | `/sonar` | `foxglove.LaserScan` | the ring at each decision, in the frame `ring` |
-//! | `/pose` | `foxglove.PoseInFrame` | where the robot really is, in the frame `world` |
-//! | `/tf` | `foxglove.FrameTransform` | the same, from `world` to `ring` |
-//! | `/scene` | `foxglove.SceneUpdate` | surfaces, body, a second robot, contacts |
-//!
-//! All messages are JSON; times count from the beginning of the log. The mind is a function of its configuration and
-//! the events: `/setup` and `/event` are enough to run it again, and `/plan` says what must come of it
-//! ([`replay()`]). A log of somebody who steers has a `/setup` for each new start; other choices and knowledge from a file are
-//! events like all others. Fixed-point values are written as the decimal numbers they are, so nothing is lost on the way.
-//!
-//! A file is a series of chunks of about [`CHUNK_BYTES`], each written at once: a log that was cut off is whole up to its last
-//! chunk. [`read`] checks the whole file first and refuses one that is damaged.
+//! All messages are JSON; [`channel`] lists their schemas. The controller is a function of its
+//! configuration and events, so a log can be [replayed](replay()). A file consists of chunks of
+//! about [`CHUNK_BYTES`]; a log that was cut off is complete up to its last chunk.
 
 mod check;
 mod fields;
-mod logged;
+mod logged_controller;
+mod logged_pilot;
 mod read;
 mod record;
 mod replay;
-mod retell;
+mod replayer;
 mod run;
 mod scene;
 mod shared;
 mod summary;
-mod tap;
 mod write;
 
-pub use check::{Damage, Defect};
-pub use logged::LoggedMind;
-pub use read::{Ending, LogFile, Message, Reading, read};
+pub use check::{LogDamage, LogDefect};
+pub use logged_controller::LoggedController;
+pub use logged_pilot::{LoggedPilot, WorldLogger};
+pub use read::{Ending, LogFile, LogMessage, Messages, read};
 pub use record::{
-    Answer, DecisionRecord, EchoRecord, EventRecord, FORMAT, Happening, MotionRecord, PlanRecord,
-    Setup,
+    AnswerRecord, DecisionRecord, EchoRecord, EventKind, EventRecord, FORMAT, MotionRecord,
+    PlanRecord, SetupRecord,
 };
-pub use replay::{Replayed, replay};
-pub use retell::Replayer;
+pub use replay::{ReplayResult, replay};
+pub use replayer::Replayer;
 pub use run::run;
 pub use scene::{SceneChange, pose_of, scene_changes};
 pub use shared::SharedLog;
 pub use summary::Summary;
-pub use tap::{Tap, Watcher};
-pub use write::{CHUNK_BYTES, Log, LogOutput};
+pub use write::{CHUNK_BYTES, LogOutput, LogWriter};
 
 #[cfg(any(test, feature = "fixture"))]
 pub mod fixture;
@@ -55,18 +41,18 @@ mod tests;
 
 /// Names of the channels.
 pub mod channel {
-    /// The episode's conditions.
+    /// Schema `amp.Setup`, at each start: the controller's configuration and the conditions.
     pub const SETUP: &str = "/setup";
-    /// What the mind is told.
+    /// Schema `amp.Event`: every input of the controller, with its time.
     pub const EVENT: &str = "/event";
-    /// What it answers.
+    /// Schema `amp.Plan`: every answer, with the intermediate values of decisions.
     pub const PLAN: &str = "/plan";
-    /// The ring.
+    /// Schema `foxglove.LaserScan`: the ring at each decision, in the frame `ring`.
     pub const SONAR: &str = "/sonar";
-    /// Where the robot is.
+    /// Schema `foxglove.PoseInFrame`: the true pose of the robot, in the frame `world`.
     pub const POSE: &str = "/pose";
-    /// The same as a transformation.
+    /// Schema `foxglove.FrameTransform`: the same pose, from `world` to `ring`.
     pub const TRANSFORM: &str = "/tf";
-    /// What stands around.
+    /// Schema `foxglove.SceneUpdate`: surfaces, body, second robot and contacts.
     pub const SCENE: &str = "/scene";
 }

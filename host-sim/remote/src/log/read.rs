@@ -1,9 +1,9 @@
-//! Reading a log, whole or cut off.
+//! Reads a log, complete or cut off.
 
 use super::channel;
-use super::check::{self, Chunk, Damage, Defect};
-use super::fields::Fields;
-use super::record::{FORMAT, Setup};
+use super::check::{self, Chunk, LogDamage, LogDefect};
+use super::fields::FieldReader;
+use super::record::{FORMAT, SetupRecord};
 use files::error::BadInput;
 use mcap::records::op;
 use serde::Deserialize;
@@ -15,31 +15,31 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::slice;
 
-/// Largest file that is read, bytes.
+/// Maximum file size, bytes.
 const MAX_FILE_BYTES: u64 = 4 << 30;
 
-/// Longest name of a channel, bytes.
+/// Maximum length of a channel's name, bytes.
 const MAX_TOPIC_BYTES: usize = 256;
 
-/// Most characters of a JSON error that are repeated: it may quote the message.
+/// Limit for the text of a JSON error, which may quote the message; characters.
 const MAX_QUOTED: usize = 200;
 
-/// A log in memory, checked.
+/// A checked log in memory.
 #[derive(Debug, Clone)]
 pub struct LogFile {
     path: PathBuf,
     bytes: Vec<u8>,
     chunks: Vec<Chunk>,
     ending: Ending,
-    setup: Setup,
+    setup: SetupRecord,
 }
 
 /// How a log ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
-    /// As it should.
+    /// With a footer.
     Complete,
-    /// In the middle: its writer was interrupted. All chunks before the last one are there.
+    /// Cut off, because its writer was interrupted. All chunks before the last one are complete.
     Interrupted,
 }
 
@@ -54,8 +54,8 @@ impl fmt::Display for Ending {
 
 /// A message of a log.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Message {
-    /// Time since the episode began, nanoseconds.
+pub struct LogMessage {
+    /// Time since the log began, nanoseconds.
     pub time_ns: u64,
     /// Its channel.
     pub topic: String,
@@ -63,14 +63,14 @@ pub struct Message {
     number: u32,
 }
 
-impl Message {
-    /// What it says.
+impl LogMessage {
+    /// Decodes the message.
     ///
     /// # Errors
-    /// When it is not what its channel should hold.
+    /// When it does not match its channel.
     pub fn content<T: DeserializeOwned>(&self) -> Result<T, String> {
         serde_json::from_slice(&self.data).map_err(|error| {
-            // The error may quote the message: one line, and not all of a long one.
+            // The error may quote the message: one line of limited length.
             let words = error.to_string();
             let words = words.chars().filter(|c| !c.is_control());
             let words: String = words.take(MAX_QUOTED).collect();
@@ -79,15 +79,15 @@ impl Message {
     }
 }
 
-/// Reads a log and checks all of it.
+/// Reads a log and checks it completely.
 ///
 /// # Errors
-/// When the file cannot be read, is not in MCAP, is damaged, or was not written by this program.
+/// When the file cannot be read, is not MCAP, is damaged or is not a log of this program.
 pub fn read(path: &Path) -> Result<LogFile, BadInput> {
     let unreadable =
         |error: std::io::Error| BadInput::file(path, format!("cannot be read: {error}"));
     let about = fs::metadata(path).map_err(unreadable)?;
-    // A pipe or a device may never end.
+    // A pipe or a device might never end.
     if !about.is_file() {
         return Err(BadInput::file(path, "is not a regular file"));
     }
@@ -115,17 +115,19 @@ fn refuse_other_formats(path: &Path, bytes: &[u8]) -> Result<(), BadInput> {
 }
 
 impl LogFile {
-    /// Checks the bytes of a file; `path` is its name in sentences.
+    /// Checks the bytes of a file; `path` is its name in messages.
     ///
     /// # Errors
     /// As [`read`].
     pub fn of(path: &Path, bytes: Vec<u8>) -> Result<Self, BadInput> {
         refuse_other_formats(path, &bytes)?;
-        let damaged = |damage: Damage| BadInput::file(path, damage);
+        let damaged = |damage: LogDamage| BadInput::file(path, damage);
         let (chunks, ending) = check::check(&bytes).map_err(damaged)?;
-        let first = Reading::of(&bytes, &chunks).find_setup().map_err(damaged)?;
+        let first = Messages::of(&bytes, &chunks)
+            .find_setup()
+            .map_err(damaged)?;
         let setup = setup(first, ending).map_err(|why| BadInput::file(path, why))?;
-        Reading::of(&bytes, &chunks)
+        Messages::of(&bytes, &chunks)
             .check_numbers()
             .map_err(damaged)?;
         Ok(Self {
@@ -137,15 +139,15 @@ impl LogFile {
         })
     }
 
-    /// Where it came from.
+    /// Path of the file.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The episode's conditions.
+    /// Conditions of the first start.
     #[must_use]
-    pub fn setup(&self) -> &Setup {
+    pub fn setup(&self) -> &SetupRecord {
         &self.setup
     }
 
@@ -155,20 +157,20 @@ impl LogFile {
         self.ending
     }
 
-    /// All messages, in the order in which they were written.
+    /// All messages, in the order of writing.
     #[must_use]
-    pub fn messages(&self) -> Reading<'_> {
-        Reading::of(&self.bytes, &self.chunks)
+    pub fn messages(&self) -> Messages<'_> {
+        Messages::of(&self.bytes, &self.chunks)
     }
 }
 
-/// The version alone: what it is of may not be readable any more.
+/// Only the version, because another version may not be readable.
 #[derive(Deserialize)]
 struct Version {
     format: Option<u64>,
 }
 
-fn setup(first: Option<Message>, ending: Ending) -> Result<Setup, String> {
+fn setup(first: Option<LogMessage>, ending: Ending) -> Result<SetupRecord, String> {
     let Some(first) = first else {
         return Err(match ending {
             Ending::Complete => {
@@ -187,18 +189,18 @@ fn setup(first: Option<Message>, ending: Ending) -> Result<Setup, String> {
     }
 }
 
-/// The messages of a log.
-pub struct Reading<'a> {
+/// Iterates over the messages of a log.
+pub struct Messages<'a> {
     file: &'a [u8],
     chunks: slice::Iter<'a, Chunk>,
-    /// The present chunk: its offset in the file, its records, and how far they are read.
+    /// The current chunk: its offset in the file, its records, and the number of bytes read.
     chunk_at: usize,
     records: Vec<u8>,
     read: usize,
     topics: BTreeMap<u16, String>,
 }
 
-impl<'a> Reading<'a> {
+impl<'a> Messages<'a> {
     fn of(file: &'a [u8], chunks: &'a [Chunk]) -> Self {
         Self {
             file,
@@ -210,7 +212,7 @@ impl<'a> Reading<'a> {
         }
     }
 
-    fn find_setup(mut self) -> Result<Option<Message>, Damage> {
+    fn find_setup(mut self) -> Result<Option<LogMessage>, LogDamage> {
         while let Some(message) = self.try_next()? {
             if message.topic == channel::SETUP {
                 return Ok(Some(message));
@@ -219,28 +221,28 @@ impl<'a> Reading<'a> {
         Ok(None)
     }
 
-    /// Messages are numbered without a gap: in a file that was cut off nothing else tells a chunk that is missing or is
-    /// there twice.
-    fn check_numbers(mut self) -> Result<(), Damage> {
+    /// Checks that the messages are numbered without a gap. In a log that was cut off nothing else
+    /// shows a missing or duplicate chunk.
+    fn check_numbers(mut self) -> Result<(), LogDamage> {
         let mut expected = 1_u32;
         while let Some(message) = self.try_next()? {
             let found = message.number;
             if found != expected {
-                return Err(self.damage(Defect::Number { expected, found }));
+                return Err(self.damage(LogDefect::Number { expected, found }));
             }
             expected = expected.wrapping_add(1);
         }
         Ok(())
     }
 
-    fn damage(&self, defect: Defect) -> Damage {
-        Damage {
+    fn damage(&self, defect: LogDefect) -> LogDamage {
+        LogDamage {
             at: self.chunk_at,
             defect,
         }
     }
 
-    fn try_next(&mut self) -> Result<Option<Message>, Damage> {
+    fn try_next(&mut self) -> Result<Option<LogMessage>, LogDamage> {
         loop {
             while self.read == self.records.len() {
                 let Some(chunk) = self.chunks.next() else {
@@ -251,29 +253,29 @@ impl<'a> Reading<'a> {
                 self.records = chunk.records(self.file)?;
             }
             let rest = self.records.get(self.read..).unwrap_or(&[]);
-            let mut fields = Fields::of(rest);
+            let mut fields = FieldReader::of(rest);
             let record = record(&mut fields).map_err(|defect| self.damage(defect))?;
             self.read += rest.len() - fields.rest().len();
             match record {
-                Record::Schema => {}
-                Record::Channel { id, topic } => {
+                ChunkRecord::Schema => {}
+                ChunkRecord::Channel { id, topic } => {
                     let known = self.topics.entry(id).or_insert_with(|| topic.clone());
                     if *known != topic {
-                        return Err(self.damage(Defect::Channel));
+                        return Err(self.damage(LogDefect::Channel));
                     }
                 }
-                Record::Message {
+                ChunkRecord::Message {
                     channel,
                     number,
                     time_ns,
                     data,
                 } => {
                     let topic = self.topics.get(&channel);
-                    let topic = topic.ok_or_else(|| self.damage(Defect::Channel))?;
+                    let topic = topic.ok_or_else(|| self.damage(LogDefect::Channel))?;
                     if data.len() as u64 > max_message_bytes(topic) {
-                        return Err(self.damage(Defect::TooLong(data.len() as u64)));
+                        return Err(self.damage(LogDefect::TooLong(data.len() as u64)));
                     }
-                    return Ok(Some(Message {
+                    return Ok(Some(LogMessage {
                         time_ns,
                         topic: topic.clone(),
                         data: data.to_vec(),
@@ -285,17 +287,17 @@ impl<'a> Reading<'a> {
     }
 }
 
-impl Iterator for Reading<'_> {
-    type Item = Message;
+impl Iterator for Messages<'_> {
+    type Item = LogMessage;
 
-    fn next(&mut self) -> Option<Message> {
-        // All was read once before, when the file was checked.
+    fn next(&mut self) -> Option<LogMessage> {
+        // Cannot fail: the check has read everything before.
         self.try_next().ok().flatten()
     }
 }
 
 /// A record of a chunk.
-enum Record<'a> {
+enum ChunkRecord<'a> {
     Schema,
     Channel {
         id: u16,
@@ -310,33 +312,33 @@ enum Record<'a> {
 }
 
 /// The next record of a chunk.
-fn record<'a>(fields: &mut Fields<'a>) -> Result<Record<'a>, Defect> {
-    let kind = fields.u8().ok_or(Defect::Length)?;
+fn record<'a>(fields: &mut FieldReader<'a>) -> Result<ChunkRecord<'a>, LogDefect> {
+    let kind = fields.u8().ok_or(LogDefect::Length)?;
     let body = fields.u64().and_then(|length| fields.bytes(length));
-    let mut body = Fields::of(body.ok_or(Defect::Length)?);
+    let mut body = FieldReader::of(body.ok_or(LogDefect::Length)?);
     let record = match kind {
-        op::SCHEMA => Some(Record::Schema),
+        op::SCHEMA => Some(ChunkRecord::Schema),
         op::CHANNEL => channel_record(&mut body),
         op::MESSAGE => message_record(&mut body),
-        _ => return Err(Defect::Kind(kind)),
+        _ => return Err(LogDefect::Kind(kind)),
     };
-    record.ok_or(Defect::Length)
+    record.ok_or(LogDefect::Length)
 }
 
-fn channel_record(body: &mut Fields<'_>) -> Option<Record<'static>> {
+fn channel_record(body: &mut FieldReader<'_>) -> Option<ChunkRecord<'static>> {
     let (id, _schema) = (body.u16()?, body.u16()?);
     let topic = body.string()?;
     if topic.len() > MAX_TOPIC_BYTES {
         return None;
     }
     let topic = std::str::from_utf8(topic).ok()?.to_owned();
-    Some(Record::Channel { id, topic })
+    Some(ChunkRecord::Channel { id, topic })
 }
 
-fn message_record<'a>(body: &mut Fields<'a>) -> Option<Record<'a>> {
+fn message_record<'a>(body: &mut FieldReader<'a>) -> Option<ChunkRecord<'a>> {
     let (channel, number, time_ns) = (body.u16()?, body.u32()?, body.u64()?);
     let _published_ns = body.u64()?;
-    Some(Record::Message {
+    Some(ChunkRecord::Message {
         channel,
         number,
         time_ns,
@@ -344,8 +346,8 @@ fn message_record<'a>(body: &mut Fields<'a>) -> Option<Record<'a>> {
     })
 }
 
-/// Longest message of a channel, bytes. A scene has as many shapes as its world; all others are short, the bytes of a
-/// mind's file being the longest.
+/// Maximum size of a message, bytes. A scene grows with its world; of the others an uploaded
+/// controller is the longest.
 pub(super) fn max_message_bytes(topic: &str) -> u64 {
     match topic {
         channel::SCENE => 32 << 20,

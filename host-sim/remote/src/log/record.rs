@@ -1,4 +1,4 @@
-//! What stands in the channels of our own, as it is written.
+//! The JSON records of the channels `/setup`, `/event` and `/plan`.
 
 use amp::config::Config;
 use amp::controller::{
@@ -11,32 +11,32 @@ use amp::units::{Bearing, Displacement, Range};
 use serde::{Deserialize, Serialize};
 use sim::pilot::HeardEcho;
 
-/// The conditions under which a mind starts that knows nothing.
+/// Conditions of a start without knowledge.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Setup {
-    /// Version of what is written here: [`FORMAT`].
+pub struct SetupRecord {
+    /// Version of the format: [`FORMAT`].
     pub format: u32,
     /// Version of the program.
     pub program: String,
     /// Name of the world.
     pub world: String,
-    /// What the robot was to do.
+    /// Behavior of the episode.
     pub behavior: String,
-    /// Name of the preset the configuration came from.
+    /// Name of the configuration's preset.
     pub preset: String,
     /// Seed of all randomness.
     pub seed: u64,
-    /// What the sonars returned.
+    /// Sonar model.
     pub sonar: String,
     /// What the ring does while the base steers.
     pub turret: String,
-    /// Random moves of an exploration.
+    /// Number of random moves.
     pub explore_moves: u16,
-    /// The mind's configuration.
+    /// The controller's configuration.
     pub config: Config<16>,
 }
 
-impl Setup {
+impl SetupRecord {
     /// The conditions of an episode in a world of this name.
     #[must_use]
     pub fn of(world: &str, setup: &sim::episode::Setup) -> Self {
@@ -58,84 +58,84 @@ impl Setup {
 /// Version of the records.
 pub const FORMAT: u32 = 3;
 
-/// Something the mind was told.
+/// An input of the controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EventRecord {
-    /// When, milliseconds by the mind's clock.
+    /// Time, milliseconds by the controller's clock.
     pub at_ms: u32,
-    /// What.
+    /// The input.
     #[serde(flatten)]
-    pub event: Happening,
+    pub event: EventKind,
 }
 
-/// What the mind can be told.
+/// Inputs of the controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Happening {
-    /// What transducers heard, told at the same moment, in this order.
+pub enum EventKind {
+    /// Echoes that were delivered together, in this order.
     Echoes(Vec<EchoRecord>),
-    /// The base reports what it has done.
+    /// Odometry of the base.
     Odometry {
-        /// Motion it is carrying out or has carried out last.
+        /// The current or last motion.
         motion: u16,
         /// Displacement since the last report, millimeters in the ring's frame at that report.
         moved_mm: [i16; 2],
-        /// How far the ring has turned since then, in 1/65536 of a turn.
+        /// Turn of the ring since then, in 1/65536 of a turn.
         turned: u16,
-        /// What became of the motion.
+        /// State of the motion.
         progress: Progress,
     },
-    /// Take samples by random moves.
+    /// Make random moves and remember samples.
     Explore {
         /// Number of moves.
         moves: u16,
-        /// Seed of the robot's own generator.
+        /// Seed of the controller's own generator.
         seed: u64,
     },
-    /// Make the maps.
+    /// Learn the maps.
     Learn,
     /// Pursue a goal.
     Seek(Goal<16>),
-    /// Stand still.
+    /// Stop.
     Stop,
-    /// Go on with what a stop interrupted.
+    /// Resume what a stop interrupted.
     Resume,
-    /// Time passed, so many times in a row; a mind elsewhere may need another number of them to learn the same.
+    /// Several ticks in a row. A remote controller may need another number of them.
     Ticks {
-        /// How many times.
+        /// Number of ticks.
         count: u32,
         /// The last one changed the mode: learning is done.
         done: bool,
     },
-    /// Something outside the mind is wrong.
+    /// An external alarm.
     Alarm(StopReason),
     /// A bumper touched something.
     Touched,
-    /// Other open choices; what the mind knows stays.
+    /// A new configuration; the knowledge stays.
     Configure(Box<Config<16>>),
-    /// Somebody else's knowledge instead of its own: the bytes of a mind's file, in hexadecimal.
+    /// Uploaded knowledge: the bytes of a controller's file, in hexadecimal.
     Know(String),
 }
 
-/// What a transducer heard.
+/// An echo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EchoRecord {
     /// Transducer.
     pub sensor: u8,
-    /// Range, millimeters; nothing where nothing answered.
+    /// Range, millimeters; `None` = no echo.
     pub range_mm: Option<u16>,
-    /// How long before it was told, milliseconds.
+    /// Age when it was delivered, milliseconds.
     #[serde(default, skip_serializing_if = "is_none")]
     pub age_ms: u32,
 }
 
-/// Most echoes have no age, and none is written.
+/// An age of 0 is not written.
 fn is_none(age_ms: &u32) -> bool {
     *age_ms == 0
 }
 
 impl EchoRecord {
-    /// As the mind is told.
+    /// Converts an echo of the pilot.
     #[must_use]
     pub fn of(echo: &HeardEcho) -> Self {
         Self {
@@ -145,7 +145,7 @@ impl EchoRecord {
         }
     }
 
-    /// As the mind is told.
+    /// Converts to an echo of the pilot.
     #[must_use]
     pub fn echo(self) -> HeardEcho {
         HeardEcho {
@@ -156,8 +156,8 @@ impl EchoRecord {
     }
 }
 
-impl Happening {
-    /// An event; a tick counts as one that changed nothing.
+impl EventKind {
+    /// Converts an event; a tick counts as one without a result.
     #[must_use]
     pub fn of(event: &Event<16>) -> Self {
         match *event {
@@ -189,7 +189,8 @@ impl Happening {
         }
     }
 
-    /// The event; `None` for echoes and ticks, which stand for several, and for what is no event of the controller.
+    /// Converts back; `None` for echoes and ticks, which stand for several events, and for changes
+    /// that are no events.
     #[must_use]
     pub fn event(&self) -> Option<Event<16>> {
         Some(match *self {
@@ -218,12 +219,12 @@ impl Happening {
     }
 }
 
-/// What the mind answered to an event.
+/// Outputs of the controller for an event.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Answer {
-    /// When, milliseconds by the mind's clock.
+pub struct AnswerRecord {
+    /// Time, milliseconds by the controller's clock.
     pub at_ms: u32,
-    /// What the base is to do.
+    /// The motion for the base.
     pub motion: Option<MotionRecord>,
     /// A decision.
     pub decision: Option<DecisionRecord>,
@@ -233,8 +234,8 @@ pub struct Answer {
     pub refusal: Option<CommandRefusal>,
 }
 
-impl Answer {
-    /// What an event brought about; `None` if nothing.
+impl AnswerRecord {
+    /// The outputs of an event; `None` if there are none.
     #[must_use]
     pub fn of(at_ms: u32, outputs: &Outputs<16>) -> Option<Self> {
         let is_answer = outputs.motion.is_some()
@@ -251,14 +252,14 @@ impl Answer {
     }
 }
 
-/// What the base is to do: a displacement in the ring's frame.
+/// A motion of the base: a displacement in the ring's frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MotionRecord {
     /// Number of the motion.
     pub id: u16,
-    /// Where to, millimeters.
+    /// Displacement, millimeters.
     pub displacement_mm: [i16; 2],
-    /// At most this fast.
+    /// Maximum speed.
     pub speed_mm_s: u16,
 }
 
@@ -275,13 +276,13 @@ impl From<Motion> for MotionRecord {
 /// A decision.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DecisionRecord {
-    /// The situation it was taken in, a value in [0, 1] per transducer.
+    /// Situation at the decision, one value in [0, 1] per transducer.
     pub situation: Vec<f64>,
-    /// How it came about; `None` for a random move.
+    /// Intermediate values of the planner; `None` for a random move.
     pub plan: Option<PlanRecord>,
-    /// Displacement wanted, millimeters in the ring's frame.
+    /// Wanted displacement, millimeters in the ring's frame.
     pub wanted_mm: [i16; 2],
-    /// Displacement the shield allowed.
+    /// Displacement after the shield.
     pub allowed_mm: [i16; 2],
     /// The goal holds.
     pub at_goal: bool,
@@ -299,26 +300,26 @@ impl From<&Decision<16>> for DecisionRecord {
     }
 }
 
-/// The paper's four steps with their intermediate values (section 2.5, Fig. 3).
+/// Intermediate values of the paper's four steps (section 2.5, Fig. 3).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PlanRecord {
-    /// Neuron that stands for the goal.
+    /// Goal neuron.
     pub goal_neuron: u8,
-    /// Best-matching unit of the present situation.
+    /// Best-matching unit of the current situation.
     pub current_neuron: u8,
-    /// Neuron aimed at.
+    /// Subgoal.
     pub intermediate_neuron: u8,
-    /// Change of situation wanted, a value in [−1, 1] per transducer.
+    /// Wanted change of situation, one value in [−1, 1] per transducer.
     pub wanted_change: Vec<f64>,
-    /// Neuron of the action map that answered.
+    /// Best neuron of the action map.
     pub action_neuron: u8,
     /// The goal holds.
     pub at_goal: bool,
-    /// The action is the one the action map recalled.
+    /// The action map recalled this action.
     pub recalled: bool,
-    /// The move asked for, millimeters in the ring's frame.
+    /// Wanted displacement, millimeters in the ring's frame.
     pub action_mm: [i16; 2],
-    /// Why.
+    /// Reason, in words.
     pub why: String,
 }
 
@@ -338,7 +339,7 @@ impl From<&Plan<16>> for PlanRecord {
     }
 }
 
-/// A value of 2⁻¹³ is a short decimal number: nothing is lost.
+/// Multiples of 2⁻¹³ are exact in decimal.
 fn numbers(weights: &[Weight]) -> Vec<f64> {
     weights.iter().map(|weight| weight.to_num()).collect()
 }
@@ -380,7 +381,7 @@ mod tests {
         for event in events {
             let record = EventRecord {
                 at_ms: 7,
-                event: Happening::of(&event),
+                event: EventKind::of(&event),
             };
             let json = serde_json::to_string(&record).unwrap();
             let back: EventRecord = serde_json::from_str(&json).unwrap();
@@ -391,7 +392,7 @@ mod tests {
             sensor: 3,
             range: Some(Range::from_mm(1_234)),
         };
-        let json = serde_json::to_string(&Happening::of(&echo)).unwrap();
+        let json = serde_json::to_string(&EventKind::of(&echo)).unwrap();
         assert_eq!(json, "{\"echoes\":[{\"sensor\":3,\"range_mm\":1234}]}");
         for age_ms in [0, 70_000] {
             let echo = HeardEcho {

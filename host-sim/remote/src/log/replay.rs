@@ -1,36 +1,37 @@
-//! Running the mind again from a log: every answer must be the same, bit for bit.
+//! Runs the controller of a log again; every answer must be the same, bit for bit.
 
 use super::channel;
-use super::read::{Ending, LogFile, Message};
-use super::record::{Answer, EventRecord};
-use super::retell::Replayer;
+use super::read::{Ending, LogFile, LogMessage};
+use super::record::{AnswerRecord, EventRecord};
+use super::replayer::Replayer;
 use files::error::BadInput;
 
-/// What came of a replay.
+/// Result of a replay.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Replayed {
-    /// Events handed to the mind.
+pub struct ReplayResult {
+    /// Number of events.
     pub events: u64,
-    /// Answers compared.
+    /// Number of answers that were compared.
     pub answers: u64,
-    /// Decisions among them.
+    /// Number of decisions among them.
     pub decisions: u64,
     /// Time of the last event since the log began, milliseconds.
     pub last_ms: u64,
     /// How the log ends.
     pub ending: Ending,
-    /// The first answer that differs, in words.
+    /// The first difference, in words.
     pub difference: Option<String>,
 }
 
-/// Runs the mind of a log again; `progress` hears the time of each event since the log began, milliseconds.
+/// Replays a log. `progress` is called with the time of each event since the log began,
+/// milliseconds.
 ///
 /// # Errors
-/// When a message is not what its channel should hold.
-pub fn replay(log: &LogFile, mut progress: impl FnMut(u64)) -> Result<Replayed, BadInput> {
+/// When a message does not match its channel.
+pub fn replay(log: &LogFile, mut progress: impl FnMut(u64)) -> Result<ReplayResult, BadInput> {
     let mut replay = Replay {
-        retold: Replayer::new(log.setup()),
-        done: Replayed {
+        replayer: Replayer::new(log.setup()),
+        done: ReplayResult {
             events: 0,
             answers: 0,
             decisions: 0,
@@ -53,24 +54,24 @@ pub fn replay(log: &LogFile, mut progress: impl FnMut(u64)) -> Result<Replayed, 
 }
 
 struct Replay {
-    retold: Replayer,
-    done: Replayed,
+    replayer: Replayer,
+    done: ReplayResult,
 }
 
 impl Replay {
-    fn take(&mut self, message: &Message) -> Result<(), String> {
+    fn take(&mut self, message: &LogMessage) -> Result<(), String> {
         match message.topic.as_str() {
             channel::SETUP => {
                 self.nothing_left();
-                self.retold = Replayer::new(&message.content()?);
+                self.replayer = Replayer::new(&message.content()?);
             }
             channel::EVENT => {
-                // What the mind said to the events before, the log says before this one.
+                // The log holds all answers to earlier events before this event.
                 self.nothing_left();
                 self.done.events += 1;
                 self.done.last_ms = message.time_ns / 1_000_000;
                 let record: EventRecord = message.content()?;
-                self.retold.tell(&record, |_| {})?;
+                self.replayer.apply(&record, |_| {})?;
             }
             channel::PLAN => self.compare(&message.content()?),
             _ => {}
@@ -78,21 +79,21 @@ impl Replay {
         Ok(())
     }
 
-    fn compare(&mut self, logged: &Answer) {
+    fn compare(&mut self, logged: &AnswerRecord) {
         self.done.answers += 1;
         self.done.decisions += u64::from(logged.decision.is_some());
-        if let Some(difference) = self.retold.compare(logged) {
+        if let Some(difference) = self.replayer.compare(logged) {
             self.differs(&difference);
         }
     }
 
     fn nothing_left(&mut self) {
-        if let Some(difference) = self.retold.unsaid() {
+        if let Some(difference) = self.replayer.unlogged_answer() {
             self.differs(&difference);
         }
     }
 
-    /// A log that is cut off may lack the answers to its last event.
+    /// A log that was cut off may lack the answers to its last event.
     fn end(&mut self) {
         if self.done.ending == Ending::Complete && self.done.difference.is_none() {
             self.nothing_left();

@@ -1,6 +1,6 @@
-//! The messages other tools draw: Foxglove's well-known schemas, in JSON.
+//! The messages that other tools draw: Foxglove's well-known schemas in JSON.
 
-use super::read::Message;
+use super::read::LogMessage;
 use arena::robot::COLLISION_RADIUS_M;
 use arena::sonar::RingGeometry;
 use arena::world::{Point, Pose, Shape, World};
@@ -12,14 +12,14 @@ use std::f64::consts::TAU;
 const WORLD: &str = "world";
 /// Frame of the ring: x along transducer 0, y to its left.
 const RING: &str = "ring";
-/// The entity of everything that stands around, and its shapes among the metadata.
+/// The entity of all surfaces, and the metadata key of their shapes.
 const SURFACES: &str = "surfaces";
 const SHAPES: &str = "shapes";
-/// The entity of a second robot.
+/// The entity of the second robot.
 const LEADER: &str = "leader";
-/// A body is drawn this high, meters (about a Nomad 200's height).
+/// Height of the drawn bodies, meters: about that of a Nomad 200.
 const HEIGHT_M: f64 = 0.9;
-/// What nothing answered to is drawn at the longest range the ring reports, 255 in, meters.
+/// A missing echo is drawn at the longest range of the ring, 255 in, meters.
 const LONGEST_M: f64 = 6.477;
 
 fn stamp(time: u64) -> Value {
@@ -30,7 +30,7 @@ fn point(at: Point, z: f64) -> Value {
     json!({"x": at.x, "y": at.y, "z": z})
 }
 
-/// Turned by `heading` around z.
+/// Rotation by `heading` around z.
 fn orientation(heading: f64) -> Value {
     let (sin, cos) = libm::sincos(heading / 2.0);
     json!({"x": 0.0, "y": 0.0, "z": sin, "w": cos})
@@ -46,7 +46,7 @@ fn color(rgb: [f64; 3], a: f64) -> Value {
 }
 
 pub(super) fn laser_scan(time: u64, ranges_m: &[Option<f64>; 16]) -> Value {
-    // From the ring's middle, as the frame is.
+    // From the ring's center, as the frame is.
     let face_radius_m = RingGeometry::default().face_radius_m;
     let reach = |range: &Option<f64>| range.unwrap_or(LONGEST_M).min(LONGEST_M) + face_radius_m;
     let ranges: Vec<f64> = ranges_m.iter().map(reach).collect();
@@ -72,8 +72,8 @@ pub(super) fn frame_transform(time: u64, pose: Pose) -> Value {
     })
 }
 
-/// What stands around, if it is known, and the body as a cylinder that goes with the ring; `anew` = instead of all there
-/// was.
+/// The surroundings, if they are known, and the body as a cylinder that moves with the ring. `anew`
+/// replaces everything drawn before.
 pub(super) fn begin(time: u64, around: Option<&World>, anew: bool) -> Value {
     let mut body = entity(time, RING, "robot");
     body["frame_locked"] = json!(true);
@@ -81,18 +81,18 @@ pub(super) fn begin(time: u64, around: Option<&World>, anew: bool) -> Value {
     body["cylinders"] = json!([cylinder(middle, COLLISION_RADIUS_M, [0.1, 0.45, 0.8], 0.8)]);
     let surfaces = around.map(|world| surfaces(time, world));
     let entities: Vec<_> = surfaces.into_iter().chain([body]).collect();
-    // Type 1: everything.
+    // Type 1 deletes everything.
     let all = json!({"timestamp": stamp(time), "type": 1, "id": ""});
     let deletions: Vec<_> = anew.then_some(all).into_iter().collect();
     json!({"deletions": deletions, "entities": entities})
 }
 
-/// Other surfaces.
+/// Replaces the surfaces.
 pub(super) fn changed(time: u64, world: &World) -> Value {
     json!({"deletions": [], "entities": [surfaces(time, world)]})
 }
 
-/// Surfaces as lines, posts as cylinders; as metadata the shapes they belong to.
+/// Surfaces as lines and posts as cylinders, with their shapes as metadata.
 fn surfaces(time: u64, world: &World) -> Value {
     let ends = world
         .segments()
@@ -133,12 +133,12 @@ fn cylinder(at: Point, radius: f64, rgb: [f64; 3], alpha: f64) -> Value {
     })
 }
 
-/// What a message of the scene changes.
+/// A change of the scene.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SceneChange {
-    /// What stands around.
+    /// All shapes of the world.
     Shapes(Vec<Shape>),
-    /// Where the second robot is.
+    /// Position of the second robot.
     Leader(Point),
 }
 
@@ -162,11 +162,11 @@ struct Pair {
 
 #[derive(Deserialize)]
 struct Cylinder {
-    pose: Placed,
+    pose: Positioned,
 }
 
 #[derive(Deserialize)]
-struct Placed {
+struct Positioned {
     position: Point,
 }
 
@@ -187,8 +187,8 @@ struct Quaternion {
     w: f64,
 }
 
-/// What a message of the scene changes, as it was written here.
-pub fn scene_changes(message: &Message) -> Result<Vec<SceneChange>, String> {
+/// The changes in a message of this program.
+pub fn scene_changes(message: &LogMessage) -> Result<Vec<SceneChange>, String> {
     let update: SceneUpdate = message.content()?;
     let mut changes = Vec::new();
     for entity in update.entities {
@@ -204,14 +204,14 @@ pub fn scene_changes(message: &Message) -> Result<Vec<SceneChange>, String> {
     Ok(changes)
 }
 
-/// Where the robot is by a message of the poses.
-pub fn pose_of(message: &Message) -> Result<Pose, String> {
+/// The pose in a message of the channel of poses.
+pub fn pose_of(message: &LogMessage) -> Result<Pose, String> {
     let PoseInFrame { pose } = message.content()?;
     let heading = 2.0 * libm::atan2(pose.orientation.z, pose.orientation.w);
     Ok(Pose::new(pose.position, heading))
 }
 
-/// Something in the scene that stays until it is replaced.
+/// An entity that remains until it is replaced.
 fn entity(time: u64, frame: &str, id: &str) -> Value {
     json!({
         "timestamp": stamp(time), "frame_id": frame, "id": id, "lifetime": {"sec": 0, "nsec": 0},

@@ -1,11 +1,11 @@
-//! A log that several write on: the mind's tap, whoever sees the robot move, whoever carries out orders.
+//! A log with several writers, behind a lock.
 
-use super::write::Log;
+use super::write::LogWriter;
 use std::io::{Seek, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A log shared by its writers.
-pub struct SharedLog<W: Write + Seek>(Arc<Mutex<Log<W>>>);
+/// A log with several writers.
+pub struct SharedLog<W: Write + Seek>(Arc<Mutex<LogWriter<W>>>);
 
 impl<W: Write + Seek> Clone for SharedLog<W> {
     fn clone(&self) -> Self {
@@ -16,21 +16,21 @@ impl<W: Write + Seek> Clone for SharedLog<W> {
 impl<W: Write + Seek> SharedLog<W> {
     /// Shares a log.
     #[must_use]
-    pub fn new(log: Log<W>) -> Self {
+    pub fn new(log: LogWriter<W>) -> Self {
         Self(Arc::new(Mutex::new(log)))
     }
 
-    /// Writes; nobody else does meanwhile.
-    pub fn write<T>(&self, what: impl FnOnce(&mut Log<W>) -> T) -> T {
-        // A log is whole between any two of its methods.
+    /// Locks the log and writes.
+    pub fn write<T>(&self, what: impl FnOnce(&mut LogWriter<W>) -> T) -> T {
+        // A panic leaves the log valid: each method writes whole messages.
         what(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Ends the log: the last chunk, the index. Whatever is written later is dropped.
+    /// Ends the log with the last chunk and the index. Later writes are ignored.
     ///
     /// # Errors
     /// What went wrong, now or before.
     pub fn finish(&self) -> Result<(), String> {
-        self.write(Log::finish)
+        self.write(LogWriter::finish)
     }
 }

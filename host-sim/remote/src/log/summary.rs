@@ -1,43 +1,43 @@
-//! What is in a log, at a glance.
+//! Summarizes a log: messages, commands, decisions and distance.
 
 use super::channel;
 use super::read::{Ending, LogFile};
-use super::record::{Answer, EventRecord, Happening};
+use super::record::{AnswerRecord, EventKind, EventRecord};
 use amp::controller::Progress;
 use amp::units::Displacement;
 use files::error::BadInput;
 use std::collections::BTreeMap;
 
-/// What a log holds.
+/// Summary of a log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Summary {
-    /// Messages by channel.
+    /// Number of messages by channel.
     pub messages: BTreeMap<String, u64>,
-    /// Time of the last message, seconds since the episode began.
+    /// Time of the last message since the log began, seconds.
     pub last_s: f64,
-    /// What the mind was told to do, and when, seconds.
+    /// Commands and their times, seconds.
     pub commands: Vec<(f64, &'static str)>,
-    /// Decisions towards a goal.
+    /// Number of decisions with a goal.
     pub decisions: u64,
-    /// Random moves.
+    /// Number of random moves.
     pub random_moves: u64,
-    /// Decisions in which the goal held.
+    /// Number of decisions at the goal.
     pub at_goal: u64,
-    /// Decisions whose motion the shield shortened.
+    /// Number of decisions whose motion the shield shortened.
     pub shortened: u64,
-    /// Motions that ended at a touch.
+    /// Number of motions that ended at a contact.
     pub contacts: u64,
-    /// Way traveled by the base's own account, meters.
+    /// Path length by odometry, meters.
     pub distance_m: f64,
     /// How it ends.
     pub ending: Ending,
 }
 
 impl Summary {
-    /// Of a log.
+    /// Summarizes a log.
     ///
     /// # Errors
-    /// When a message is not what its channel should hold.
+    /// When a message does not match its channel.
     pub fn of(log: &LogFile) -> Result<Self, BadInput> {
         let mut summary = Self {
             messages: BTreeMap::new(),
@@ -68,9 +68,9 @@ impl Summary {
         Ok(summary)
     }
 
-    fn event(&mut self, seconds: f64, event: &Happening) {
+    fn event(&mut self, seconds: f64, event: &EventKind) {
         let command = match event {
-            Happening::Odometry {
+            EventKind::Odometry {
                 moved_mm: [dx_mm, dy_mm],
                 progress,
                 ..
@@ -83,21 +83,21 @@ impl Summary {
                 self.contacts += u64::from(*progress == Progress::Touched);
                 return;
             }
-            Happening::Explore { .. } => "explore",
-            Happening::Learn => "learn",
-            Happening::Seek(_) => "seek",
-            Happening::Stop => "stop",
-            Happening::Resume => "resume",
-            Happening::Alarm(_) => "alarm",
-            Happening::Touched => "bumper",
-            Happening::Configure(_) => "other choices",
-            Happening::Know(_) => "knowledge from a file",
-            Happening::Echoes(_) | Happening::Ticks { .. } => return,
+            EventKind::Explore { .. } => "explore",
+            EventKind::Learn => "learn",
+            EventKind::Seek(_) => "seek",
+            EventKind::Stop => "stop",
+            EventKind::Resume => "resume",
+            EventKind::Alarm(_) => "alarm",
+            EventKind::Touched => "bumper",
+            EventKind::Configure(_) => "other choices",
+            EventKind::Know(_) => "knowledge from a file",
+            EventKind::Echoes(_) | EventKind::Ticks { .. } => return,
         };
         self.commands.push((seconds, command));
     }
 
-    fn answer(&mut self, answer: &Answer) {
+    fn answer(&mut self, answer: &AnswerRecord) {
         let Some(decision) = &answer.decision else {
             return;
         };

@@ -1,4 +1,4 @@
-//! Logs in memory: whole, cut off, changed, and onto a full disk.
+//! Logs in memory: complete, cut off, changed, and on a full disk.
 
 use super::fixture::{changed, file, logged, setup};
 use super::read::LogFile;
@@ -8,7 +8,7 @@ use amp::units::Millis;
 use arena::sonar::SonarModel;
 use arena::world::World;
 use sim::episode::{self};
-use sim::pilot::{Mind, Pilot};
+use sim::pilot::{LocalController, Pilot};
 use std::io::{Cursor, Seek, SeekFrom, Write};
 use std::path::Path;
 
@@ -18,7 +18,7 @@ fn a_log_replays_bit_for_bit() {
         let done = replay(&file(logged(sonar)), |_| {}).unwrap();
         assert_eq!(done.difference, None);
         assert_eq!(done.ending, Ending::Complete);
-        // The last decision of each phase is not carried out.
+        // The last decision of each phase is not executed.
         assert!(done.decisions >= 90, "{done:?}");
     }
 }
@@ -30,8 +30,8 @@ fn a_log_does_not_change_the_episode_and_is_the_same_twice() {
     let plain = episode::run(&world, &setup, |_, _, _| {}).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
-    let mind = Mind::new(setup.config.clone());
-    let watched = run(&world, &setup, mind, &path).unwrap();
+    let controller = LocalController::new(setup.config.clone());
+    let watched = run(&world, &setup, controller, &path).unwrap();
     assert_eq!(plain.report, watched.report);
     assert_eq!(std::fs::read(path).unwrap(), logged(SonarModel::Nomad));
 }
@@ -90,19 +90,19 @@ fn the_summary_counts_what_happened() {
     let summary = Summary::of(&log).unwrap();
     assert_eq!(summary.random_moves, 30);
     assert_eq!(summary.decisions, 61);
-    let told: Vec<_> = summary.commands.iter().map(|(_, what)| *what).collect();
-    assert_eq!(told, ["explore", "learn", "seek"]);
+    let commands: Vec<_> = summary.commands.iter().map(|(_, what)| *what).collect();
+    assert_eq!(commands, ["explore", "learn", "seek"]);
     assert!(summary.distance_m > 10.0);
     assert_eq!(log.setup().seed, 5);
 }
 
-/// A disk with room for so many bytes.
-struct Full {
+/// A disk with a limited number of free bytes.
+struct FullDisk {
     room: usize,
     at: u64,
 }
 
-impl Write for Full {
+impl Write for FullDisk {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
         if bytes.len() > self.room {
             return Err(std::io::Error::from(std::io::ErrorKind::StorageFull));
@@ -117,7 +117,7 @@ impl Write for Full {
     }
 }
 
-impl Seek for Full {
+impl Seek for FullDisk {
     fn seek(&mut self, _: SeekFrom) -> std::io::Result<u64> {
         Ok(self.at)
     }
@@ -127,13 +127,16 @@ impl Seek for Full {
 fn a_full_disk_ends_the_episode_in_words() {
     let world = World::random(3);
     let setup = setup(SonarModel::Nomad);
-    let disk = Full {
+    let disk = FullDisk {
         room: 50_000,
         at: 0,
     };
-    let log = SharedLog::new(Log::begin(disk, "a.mcap").unwrap());
-    let mut tap = Tap::new(Mind::new(setup.config.clone()), Some(log.clone()));
-    let mut watcher = Watcher::new(log);
+    let log = SharedLog::new(LogWriter::begin(disk, "a.mcap").unwrap());
+    let mut tap = LoggedPilot::new(
+        LocalController::new(setup.config.clone()),
+        Some(log.clone()),
+    );
+    let mut watcher = WorldLogger::new(log);
     let done = episode::run_observed(&world, &setup, &mut tap, Some(&mut watcher), |_, _, _| {});
     let failure = done.unwrap_err().to_string();
     assert!(
@@ -144,8 +147,8 @@ fn a_full_disk_ends_the_episode_in_words() {
 
 #[test]
 fn a_message_that_could_not_be_read_is_not_written() {
-    let mut log = Log::begin(Cursor::new(Vec::new()), "a.mcap").unwrap();
-    let event = Happening::Know("0".repeat(1_048_577));
+    let mut log = LogWriter::begin(Cursor::new(Vec::new()), "a.mcap").unwrap();
+    let event = EventKind::Know("0".repeat(1_048_577));
     log.event(&EventRecord { at_ms: 0, event });
     let failure = log.failure().unwrap();
     assert!(
@@ -157,20 +160,21 @@ fn a_message_that_could_not_be_read_is_not_written() {
 #[test]
 fn ticks_that_change_nothing_are_not_counted_out() {
     let log = file(logged(SonarModel::Ideal));
-    let mut mind = Replayer::new(log.setup());
+    let mut controller = Replayer::new(log.setup());
     for done in [false, true] {
-        let event = Happening::Ticks {
+        let event = EventKind::Ticks {
             count: u32::MAX,
             done,
         };
         let mut ticks = 0;
-        mind.tell(&EventRecord { at_ms: 0, event }, |_| ticks += 1)
+        controller
+            .apply(&EventRecord { at_ms: 0, event }, |_| ticks += 1)
             .unwrap();
         assert_eq!(ticks, 1);
     }
 }
 
-/// Notes nothing and does nothing.
+/// Does nothing.
 struct Idle;
 
 impl Pilot for Idle {
@@ -183,9 +187,9 @@ impl Pilot for Idle {
 fn ticks_that_change_nothing_are_written_where_they_let_time_pass() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
-    let log = SharedLog::new(Log::create(&path).unwrap());
-    let mut tap = Tap::new(Idle, Some(log.clone()));
-    let record = Setup::of("room", &setup(SonarModel::Ideal));
+    let log = SharedLog::new(LogWriter::create(&path).unwrap());
+    let mut tap = LoggedPilot::new(Idle, Some(log.clone()));
+    let record = SetupRecord::of("room", &setup(SonarModel::Ideal));
     tap.begin(&record, None);
     let mut tell = |at_ms, event| {
         let _ = tap.handle(Millis::from_ms(at_ms), event);

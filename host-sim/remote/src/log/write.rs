@@ -1,8 +1,8 @@
-//! Writing a log: channels, chunks, and what to do when the disk is full.
+//! Writes a log and keeps errors such as a full disk.
 
 use super::channel;
 use super::read::max_message_bytes;
-use super::record::{Answer, EventRecord, Setup};
+use super::record::{AnswerRecord, EventRecord, SetupRecord};
 use super::scene;
 use amp::units::Millis;
 use arena::world::{Point, Pose, World};
@@ -17,10 +17,11 @@ use std::io::{Seek, Write};
 use std::path::Path;
 use std::time::Duration;
 
-/// Uncompressed bytes per chunk: an interrupted log lacks less than this, a minute or so of the robot's life.
+/// Uncompressed bytes per chunk, about a minute of driving: an interrupted log loses less than
+/// this.
 pub const CHUNK_BYTES: u64 = 128 * 1_024;
 
-/// Names of the schemas with their text, by channel.
+/// Channel, name of the schema and text of the schema.
 const CHANNELS: [(&str, &str, &str); 7] = [
     (
         channel::SETUP,
@@ -55,9 +56,9 @@ const CHANNELS: [(&str, &str, &str); 7] = [
     ),
 ];
 
-/// A log being written. What goes wrong is kept until somebody asks ([`failure`](Self::failure)): the robot does not wait
-/// for its log.
-pub struct Log<W: Write + Seek> {
+/// A log being written. An error is kept until it is [queried](Self::failure), because the robot
+/// does not wait for its log.
+pub struct LogWriter<W: Write + Seek> {
     writer: Writer<W>,
     channels: [u16; CHANNELS.len()],
     sequence: u32,
@@ -65,23 +66,23 @@ pub struct Log<W: Write + Seek> {
     name: String,
     failure: Option<String>,
     finished: bool,
-    /// When the present start began, and the latest time written, nanoseconds.
+    /// Begin of the current start and the latest time, nanoseconds.
     began: u64,
     latest: u64,
     starts: u32,
-    /// Longest time of the log in one chunk, and when the present chunk began, nanoseconds.
+    /// Longest duration of a chunk, and begin of the current chunk, nanoseconds.
     chunk_ns: u64,
     chunk_began: Option<u64>,
 }
 
-/// Where the log of a command goes: a file, a device or a FIFO, none of which is sought in.
+/// A file, device or FIFO; it is only appended to.
 pub type LogOutput = NoSeek<File>;
 
-impl Log<LogOutput> {
+impl LogWriter<LogOutput> {
     /// Begins a log in a new file.
     ///
     /// # Errors
-    /// When there is a file of this name already, or it cannot be written.
+    /// When the file exists or cannot be written.
     pub fn create(path: &Path) -> Result<Self, BadInput> {
         let file = files::create_new(path).map_err(|error| match error.kind() {
             std::io::ErrorKind::AlreadyExists => BadInput::file(
@@ -94,20 +95,20 @@ impl Log<LogOutput> {
     }
 }
 
-impl<W: Write + Seek> Log<W> {
-    /// Begins a log that is called `name` when something goes wrong.
+impl<W: Write + Seek> LogWriter<W> {
+    /// Begins a log; `name` is its name in messages.
     ///
     /// # Errors
     /// When nothing can be written.
     pub fn begin(to: W, name: &str) -> Result<Self, String> {
-        Self::try_begin(to, name).map_err(|error| said(name, &error))
+        Self::try_begin(to, name).map_err(|error| error_message(name, &error))
     }
 
     fn try_begin(to: W, name: &str) -> Result<Self, McapError> {
         let options = WriteOptions::new()
             .compression(Some(Compression::Lz4))
             .chunk_size(Some(CHUNK_BYTES))
-            // Each chunk is written at once, with its length before it.
+            // Each chunk is written at once, with its length in front.
             .disable_seeking(true);
         let mut writer = options.create(to)?;
         let mut channels = [0; CHANNELS.len()];
@@ -131,23 +132,23 @@ impl<W: Write + Seek> Log<W> {
         })
     }
 
-    /// From now on writes a chunk at least this often, by the log's time: an interruption loses no more.
+    /// Limits the duration of a chunk, by the log's time: an interruption loses no more.
     pub fn set_chunk_duration(&mut self, duration: Duration) {
         self.chunk_ns = duration.as_nanos().try_into().unwrap_or(u64::MAX);
     }
 
-    /// The mind's clock has come to `at`, though nothing may have happened.
+    /// Advances the log's time without a message.
     pub fn pass_time(&mut self, at: Millis) {
         self.write_old_chunk(self.time(at.as_ms()));
     }
 
-    /// Writes what has been recorded so far.
+    /// Writes the current chunk.
     pub fn flush(&mut self) {
         if self.failure.is_some() || self.finished || self.chunk_began.take().is_none() {
             return;
         }
         if let Err(error) = self.writer.flush() {
-            self.failure = Some(said(&self.name, &error));
+            self.failure = Some(error_message(&self.name, &error));
         }
     }
 
@@ -158,70 +159,70 @@ impl<W: Write + Seek> Log<W> {
         }
     }
 
-    /// A mind that knows nothing starts, under these conditions, in this world if it is known. The mind's clock begins
-    /// anew with each start, the log's goes on.
-    pub fn setup(&mut self, setup: &Setup, world: Option<&World>) {
+    /// Writes the start of a controller without knowledge, in this world if it is known. The
+    /// controller's clock restarts; the log's continues.
+    pub fn setup(&mut self, setup: &SetupRecord, world: Option<&World>) {
         self.began = self.latest;
-        self.put(channel::SETUP, self.began, setup);
+        self.write(channel::SETUP, self.began, setup);
         let scene = scene::begin(self.began, world, self.starts > 0);
-        self.put(channel::SCENE, self.began, &scene);
+        self.write(channel::SCENE, self.began, &scene);
         self.starts += 1;
     }
 
-    /// The world is another one from now on.
+    /// Replaces the world.
     pub fn world(&mut self, at: Millis, world: &World) {
         let time = self.time(at.as_ms());
-        self.put(channel::SCENE, time, &scene::changed(time, world));
+        self.write(channel::SCENE, time, &scene::changed(time, world));
     }
 
-    /// Something the mind was told.
+    /// Writes an event.
     pub fn event(&mut self, event: &EventRecord) {
-        self.put(channel::EVENT, self.time(event.at_ms), event);
+        self.write(channel::EVENT, self.time(event.at_ms), event);
     }
 
-    /// Something it answered.
-    pub fn answer(&mut self, answer: &Answer) {
-        self.put(channel::PLAN, self.time(answer.at_ms), answer);
+    /// Writes an answer.
+    pub fn answer(&mut self, answer: &AnswerRecord) {
+        self.write(channel::PLAN, self.time(answer.at_ms), answer);
     }
 
-    /// The latest ranges by transducer, meters from its face.
+    /// Writes the latest ranges by transducer, meters from its face.
     pub fn sonar(&mut self, at: Millis, ranges_m: &[Option<f64>; 16]) {
         let time = self.time(at.as_ms());
-        self.put(channel::SONAR, time, &scene::laser_scan(time, ranges_m));
+        self.write(channel::SONAR, time, &scene::laser_scan(time, ranges_m));
     }
 
-    /// Where the robot and the one it follows are.
+    /// Writes the poses of the robot and of the leader.
     pub fn pose(&mut self, at: Millis, pose: Pose, leader: Option<Point>) {
         let time = self.time(at.as_ms());
-        self.put(channel::POSE, time, &scene::pose_in_frame(time, pose));
-        self.put(
+        self.write(channel::POSE, time, &scene::pose_in_frame(time, pose));
+        self.write(
             channel::TRANSFORM,
             time,
             &scene::frame_transform(time, pose),
         );
         if let Some(leader) = leader {
-            self.put(channel::SCENE, time, &scene::leader(time, leader));
+            self.write(channel::SCENE, time, &scene::leader(time, leader));
         }
     }
 
-    /// The robot touched something here.
+    /// Writes a contact.
     pub fn contact(&mut self, at: Millis, place: Point) {
         let time = self.time(at.as_ms());
         self.contacts += 1;
-        self.put(
+        self.write(
             channel::SCENE,
             time,
             &scene::contact(time, place, self.contacts),
         );
     }
 
-    /// What went wrong, if anything: from then on nothing is written.
+    /// The first error, if any. Nothing is written after it.
     #[must_use]
     pub fn failure(&self) -> Option<&str> {
         self.failure.as_deref()
     }
 
-    /// Ends the log: the last chunk, the index. Whatever is written later is dropped.
+    /// Ends the log with the last chunk and the index. Later writes are ignored.
     ///
     /// # Errors
     /// What went wrong, now or before.
@@ -233,33 +234,35 @@ impl<W: Write + Seek> Log<W> {
             return Ok(());
         }
         let finished = self.writer.finish();
-        finished.map(drop).map_err(|error| said(&self.name, &error))
+        finished
+            .map(drop)
+            .map_err(|error| error_message(&self.name, &error))
     }
 
-    /// What was written on.
+    /// The underlying writer.
     #[must_use]
     pub fn into_inner(self) -> W {
         self.writer.into_inner()
     }
 
-    /// A time of the mind's clock by the log's, nanoseconds.
+    /// Converts the controller's time to the log's, nanoseconds.
     fn time(&self, ms: u32) -> u64 {
         self.began + u64::from(ms) * 1_000_000
     }
 
-    fn put(&mut self, topic: &str, time: u64, message: &impl Serialize) {
+    fn write(&mut self, topic: &str, time: u64, message: &impl Serialize) {
         if self.failure.is_some() || self.finished {
             return;
         }
         self.latest = self.latest.max(time);
         self.chunk_began.get_or_insert(time);
-        if let Err(error) = self.try_put(topic, time, message) {
-            self.failure = Some(said(&self.name, &error));
+        if let Err(error) = self.try_write(topic, time, message) {
+            self.failure = Some(error_message(&self.name, &error));
         }
         self.write_old_chunk(time);
     }
 
-    fn try_put(
+    fn try_write(
         &mut self,
         topic: &str,
         time: u64,
@@ -270,7 +273,7 @@ impl<W: Write + Seek> Log<W> {
             return Ok(());
         };
         let data = serde_json::to_vec(message).map_err(std::io::Error::from)?;
-        // What is written can be read.
+        // The reader refuses longer messages.
         if data.len() as u64 > max_message_bytes(topic) {
             let sentence = format!("a message of {topic} has {} bytes", data.len());
             return Err(std::io::Error::other(sentence).into());
@@ -286,8 +289,8 @@ impl<W: Write + Seek> Log<W> {
     }
 }
 
-/// The crate's own words leave out what the system said.
-fn said(name: &str, error: &McapError) -> String {
+/// The text of the `mcap` crate omits the system's message.
+fn error_message(name: &str, error: &McapError) -> String {
     match error {
         McapError::Io(error) => format!("{name}: cannot be written: {error}"),
         _ => format!("{name}: cannot be written: {error}"),
@@ -298,7 +301,7 @@ fn said(name: &str, error: &McapError) -> String {
 mod tests {
     use super::*;
 
-    /// Messages in the whole chunks of a file.
+    /// Number of messages in the complete chunks of a file.
     fn written(path: &Path) -> usize {
         let bytes = std::fs::read(path).unwrap();
         let options = mcap::read::Options::IgnoreEndMagic.into();
@@ -310,17 +313,17 @@ mod tests {
     fn a_chunk_is_written_when_it_is_old_and_on_request() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("log.mcap");
-        let mut log = Log::create(&path).unwrap();
+        let mut log = LogWriter::create(&path).unwrap();
         log.set_chunk_duration(Duration::from_secs(1));
         let at = Millis::from_ms;
-        let mut heard = |at_ms| log.sonar(at(at_ms), &[None; 16]);
-        heard(0);
-        heard(999);
+        let mut log_silence = |at_ms| log.sonar(at(at_ms), &[None; 16]);
+        log_silence(0);
+        log_silence(999);
         assert_eq!(written(&path), 0);
-        heard(1_000);
+        log_silence(1_000);
         assert_eq!(written(&path), 3);
-        heard(1_200);
-        // Time passes though nothing happens.
+        log_silence(1_200);
+        // Time advances without a message.
         log.pass_time(at(2_199));
         assert_eq!(written(&path), 3);
         log.pass_time(at(2_200));

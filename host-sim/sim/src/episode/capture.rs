@@ -1,4 +1,4 @@
-//! What a robot at rest perceives at a place.
+//! The situation that a robot at rest perceives at a given pose.
 
 use super::Seeds;
 use amp::scan::{Encoding, Situation};
@@ -7,7 +7,7 @@ use arena::noise::Noise;
 use arena::sonar::{FIRING_ORDER, FIRING_SLOT_S, Ring, SonarModel};
 use arena::world::{Pose, World};
 
-/// The situation of a whole ring at rest in `pose`; noise, if the model has any, comes from `seed`.
+/// The situation of a whole ring at rest in `pose`. `seed` seeds the sonar noise.
 #[must_use]
 pub fn perceive(
     world: &World,
@@ -33,8 +33,8 @@ pub fn perceive(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::behavior::Behavior;
     use crate::episode::{Setup, run};
-    use crate::scenes::Behavior;
     use amp::config::Config;
     use arena::robot::TurretMode;
 

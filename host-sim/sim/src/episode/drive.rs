@@ -1,14 +1,14 @@
-//! Explore, learn, seek: the course of an episode.
+//! Runs an episode: explore, learn, seek.
 
 use super::Seeds;
 use super::body::{Body, Collision, StepResult, milliseconds};
 use super::measure::Measure;
-use super::record::Recorder;
-use super::tally::{Metrics, Report, Stride, rounded};
-use crate::failure::Failure;
-use crate::pilot::{InspectableController, Mind, Pilot};
+use super::metrics::{EpisodeReport, Metrics, StepFlags, rounded};
+use super::record::StepRecorder;
+use crate::behavior::Behavior;
+use crate::error::EpisodeError;
+use crate::pilot::{InspectableController, LocalController, Pilot};
 use crate::recording::Recording;
-use crate::scenes::Behavior;
 use amp::config::Config;
 use amp::controller::{Command, Decision, Event};
 use amp::fixed::Weight;
@@ -18,14 +18,14 @@ use arena::robot::TurretMode;
 use arena::sonar::{SonarModel, TransducerFault};
 use arena::world::{Point, World};
 
-/// What an episode is made of, but for its world.
+/// The conditions of an episode, without its world.
 #[derive(Debug, Clone)]
 pub struct Setup {
-    /// The mind's open choices.
+    /// The controller's configuration.
     pub config: Config<16>,
-    /// Name of the preset they came from.
+    /// Name of the preset it came from.
     pub preset: String,
-    /// What to do after exploring.
+    /// Behavior after exploring.
     pub behavior: Behavior,
     /// Random moves, 1 … [`MAX_MOVES`](crate::pilot::MAX_MOVES).
     pub explore_moves: u16,
@@ -35,13 +35,13 @@ pub struct Setup {
     pub seed: u64,
     /// What the sonars return.
     pub sonar: SonarModel,
-    /// What is wrong with single transducers.
+    /// Faulty transducers.
     pub faults: Vec<TransducerFault>,
     /// What the ring does while the base steers.
     pub turret: TurretMode,
-    /// Where the robot is set down after exploring; `None` = where its behavior says.
+    /// Where the robot is placed after exploring; `None` = as its behavior says.
     pub set_down: Option<Point>,
-    /// Keep every step for pictures.
+    /// Record every step, for pictures.
     pub record: bool,
 }
 
@@ -64,130 +64,142 @@ pub enum Phase {
     Seek,
 }
 
-/// Looks on while an episode runs. What it does changes nothing.
+/// Watches an episode. It cannot change the episode.
 pub trait Observer {
-    /// The simulation went on by a turn, which ended its ring at `at` and left the body so.
-    fn happened(&mut self, at: Millis, happened: &StepResult, body: &Body<'_>);
+    /// Called after each simulation step; the step's ring ended at `at`.
+    fn on_step(&mut self, at: Millis, result: &StepResult, body: &Body<'_>);
 }
 
-/// What came of an episode.
+/// Result of an episode.
 #[derive(Debug, Clone)]
 pub struct Episode {
     /// The figures.
-    pub report: Report,
-    /// Every step, if it was to be recorded.
+    pub report: EpisodeReport,
+    /// Every step, if they were recorded.
     pub recording: Option<Recording>,
 }
 
-/// Runs a whole episode; `progress` hears of each phase, what is done of it and what it takes.
+/// Runs a whole episode. `progress` is called with the phase, the number of steps done and the
+/// number of steps in all.
 ///
 /// # Errors
-/// When the mind refuses a command or falls silent.
+/// When the controller refuses a command or is silent.
 pub fn run(
     world: &World,
     setup: &Setup,
     progress: impl FnMut(Phase, u32, u32),
-) -> Result<Episode, Failure> {
-    run_with(world, setup, &mut Mind::new(setup.config.clone()), progress)
+) -> Result<Episode, EpisodeError> {
+    run_with(
+        world,
+        setup,
+        &mut LocalController::new(setup.config.clone()),
+        progress,
+    )
 }
 
-/// As [`run`], with any mind; it should have the setup's configuration and know nothing.
+/// As [`run`], with any controller. It should have the setup's configuration and no knowledge.
 ///
 /// # Errors
-/// When the mind refuses a command, falls silent or cannot be reached.
+/// When the controller refuses a command, is silent or cannot be reached.
 pub fn run_with(
     world: &World,
     setup: &Setup,
-    mind: &mut impl InspectableController,
+    controller: &mut impl InspectableController,
     progress: impl FnMut(Phase, u32, u32),
-) -> Result<Episode, Failure> {
-    run_observed(world, setup, mind, None, progress)
+) -> Result<Episode, EpisodeError> {
+    run_observed(world, setup, controller, None, progress)
 }
 
-/// As [`run_with`], while somebody looks on.
+/// As [`run_with`], with an observer.
 ///
 /// # Errors
 /// As [`run_with`].
 pub fn run_observed<'w>(
     world: &'w World,
     setup: &Setup,
-    mind: &mut impl InspectableController,
+    controller: &mut impl InspectableController,
     observer: Option<&'w mut dyn Observer>,
     mut progress: impl FnMut(Phase, u32, u32),
-) -> Result<Episode, Failure> {
-    let (mut driver, exploration) = educated(world, setup, mind, observer, &mut progress)?;
-    driver.set_scene(setup);
-    let began_s = driver.body.time_s();
-    driver.pursue(mind, setup, |done| progress(Phase::Seek, done, setup.steps))?;
-    let time_s = driver.body.time_s() - began_s;
-    let success = driver.measure.success(&setup.behavior, &driver.tally);
-    let report = report(world, setup, &exploration, &driver.tally, time_s, success);
-    let recording = match driver.recorder {
+) -> Result<Episode, EpisodeError> {
+    let (mut runner, exploration) = explored(world, setup, controller, observer, &mut progress)?;
+    runner.set_scene(setup);
+    let began_s = runner.body.time_s();
+    runner.pursue(controller, setup, |done| {
+        progress(Phase::Seek, done, setup.steps)
+    })?;
+    let time_s = runner.body.time_s() - began_s;
+    let success = runner.measure.success(&setup.behavior, &runner.metrics);
+    let report = report(world, setup, &exploration, &runner.metrics, time_s, success);
+    let recording = match runner.recorder {
         Some(recorder) => {
-            let place = setup.behavior.place(driver.measure.nest);
-            Some(recorder.finish(world, setup, place, mind.knowledge()?))
+            let place = setup.behavior.place(runner.measure.nest);
+            Some(recorder.finish(world, setup, place, controller.knowledge()?))
         }
         None => None,
     };
     Ok(Episode { report, recording })
 }
 
-/// A robot whose mind has explored and learned, and the tally of its random moves.
-pub(super) fn educated<'w>(
+/// Lets a controller explore and learn; returns the runner and the metrics of the random moves.
+pub(super) fn explored<'w>(
     world: &'w World,
     setup: &Setup,
-    mind: &mut impl Pilot,
+    controller: &mut impl Pilot,
     observer: Option<&'w mut dyn Observer>,
     mut progress: impl FnMut(Phase, u32, u32),
-) -> Result<(Driver<'w>, Metrics), Failure> {
+) -> Result<(EpisodeRunner<'w>, Metrics), EpisodeError> {
     let seeds = Seeds::of(setup.seed);
     let body = Body::new(world, setup.sonar, setup.turret, seeds.noise).with_faults(&setup.faults);
-    let mut driver = Driver::new(world, body, setup.record);
-    driver.observer = observer;
+    let mut runner = EpisodeRunner::new(world, body, setup.record);
+    runner.observer = observer;
 
     let moves = u32::from(setup.explore_moves);
-    driver.command(
-        mind,
+    runner.command(
+        controller,
         Command::Explore {
             moves: setup.explore_moves,
             seed: seeds.exploration,
         },
     )?;
-    driver.drive(
-        mind,
+    runner.drive(
+        controller,
         |_| false,
         |done| progress(Phase::Explore, done, moves),
     )?;
-    let exploration = driver.next_phase(world);
+    let exploration = runner.next_phase(world);
 
     progress(Phase::Learn, 0, 1);
-    driver.learn(mind)?;
+    runner.learn(controller)?;
     progress(Phase::Learn, 1, 1);
-    Ok((driver, exploration))
+    Ok((runner, exploration))
 }
 
-/// Lets a mind explore and learn in a world, and nothing else.
+/// Lets a controller explore and learn in a world.
 ///
 /// # Errors
-/// When the mind refuses a command or falls silent.
-pub fn educate(world: &World, setup: &Setup, mind: &mut impl Pilot) -> Result<(), Failure> {
-    educated(world, setup, mind, None, |_, _, _| {}).map(|_| ())
+/// When the controller refuses a command or is silent.
+pub fn explore_and_learn(
+    world: &World,
+    setup: &Setup,
+    controller: &mut impl Pilot,
+) -> Result<(), EpisodeError> {
+    explored(world, setup, controller, None, |_, _, _| {}).map(|_| ())
 }
 
-/// Lets any pilot drive `steps` steps from the world's start: the tally of a yardstick.
+/// Lets a reference pilot drive `steps` steps from the world's start.
 ///
 /// # Errors
-/// When the pilot falls silent.
+/// When the pilot is silent.
 pub fn drive_pilot(
     world: &World,
     pilot: &mut impl Pilot,
     mut body: Body<'_>,
     steps: u32,
-) -> Result<Metrics, Failure> {
+) -> Result<Metrics, EpisodeError> {
     body.restart();
-    let mut driver = Driver::new(world, body, false);
-    driver.drive(pilot, |tally| tally.steps >= steps, |_| {})?;
-    Ok(driver.tally)
+    let mut runner = EpisodeRunner::new(world, body, false);
+    runner.drive(pilot, |metrics| metrics.steps >= steps, |_| {})?;
+    Ok(runner.metrics)
 }
 
 pub(super) fn report(
@@ -197,8 +209,8 @@ pub(super) fn report(
     seeking: &Metrics,
     time_s: f64,
     (success, success_unit): (f64, &'static str),
-) -> Report {
-    Report {
+) -> EpisodeReport {
+    EpisodeReport {
         world: world.name().to_owned(),
         behavior: setup.behavior.name(),
         preset: setup.preset.clone(),
@@ -220,133 +232,135 @@ pub(super) fn report(
     }
 }
 
-pub(super) struct Driver<'w> {
+pub(super) struct EpisodeRunner<'w> {
     pub(super) world: &'w World,
     pub(super) body: Body<'w>,
-    pub(super) tally: Metrics,
+    pub(super) metrics: Metrics,
     pub(super) measure: Measure,
-    /// What is being done now, and which part of a chain it is.
+    /// The current behavior, and its index in a chain.
     pub(super) behavior: Behavior,
     pub(super) part: usize,
-    /// What was perceived before the first move.
+    /// Situation before the first move.
     pub(super) nest: Situation<16>,
     first: bool,
-    /// The step under way.
-    open: Option<Stride>,
-    recorder: Option<Recorder>,
+    /// The current step.
+    open: Option<StepFlags>,
+    recorder: Option<StepRecorder>,
     observer: Option<&'w mut dyn Observer>,
 }
 
-impl<'w> Driver<'w> {
-    /// Rings without a decision before the mind counts as silent.
-    const PATIENCE: u32 = 100;
+impl<'w> EpisodeRunner<'w> {
+    /// A controller that takes no decision for this many rings is silent.
+    const MAX_SILENT_RINGS: u32 = 100;
 
     fn new(world: &'w World, body: Body<'w>, record: bool) -> Self {
         Self {
             world,
             body,
-            tally: Metrics::new(world),
+            metrics: Metrics::new(world),
             measure: Measure::new(world, world.start().position),
             behavior: Behavior::Avoid,
             part: 0,
             nest: [Weight::ZERO; 16],
             first: true,
             open: None,
-            recorder: record.then(Recorder::default),
+            recorder: record.then(StepRecorder::default),
             observer: None,
         }
     }
 
     pub(super) fn command(
         &mut self,
-        mind: &mut impl Pilot,
+        controller: &mut impl Pilot,
         command: Command<16>,
-    ) -> Result<(), Failure> {
-        let outputs = mind.handle(self.body.now(), Event::Command(command));
-        let refused = outputs.refusal.map(Failure::Refused);
-        mind.failure().or(refused).map_or(Ok(()), Err)
+    ) -> Result<(), EpisodeError> {
+        let outputs = controller.handle(self.body.now(), Event::Command(command));
+        let refused = outputs.refusal.map(EpisodeError::Refused);
+        controller.failure().or(refused).map_or(Ok(()), Err)
     }
 
-    fn learn(&mut self, mind: &mut impl Pilot) -> Result<(), Failure> {
-        self.command(mind, Command::Learn)?;
-        while !mind.handle(self.body.now(), Event::Tick).mode_changed {
-            mind.failure().map_or(Ok(()), Err)?;
+    fn learn(&mut self, controller: &mut impl Pilot) -> Result<(), EpisodeError> {
+        self.command(controller, Command::Learn)?;
+        while !controller.handle(self.body.now(), Event::Tick).mode_changed {
+            controller.failure().map_or(Ok(()), Err)?;
         }
         Ok(())
     }
 
-    /// Drives until the steps that were done are enough or the pilot changes its mode.
+    /// Drives until `is_over` or until the pilot changes its mode.
     pub(super) fn drive(
         &mut self,
         pilot: &mut impl Pilot,
         is_over: impl Fn(&Metrics) -> bool,
         mut progress: impl FnMut(u32),
-    ) -> Result<(), Failure> {
+    ) -> Result<(), EpisodeError> {
         let mut last_decision_s = self.body.time_s();
-        while !is_over(&self.tally) {
-            let least_m = self.tally.min_clearance_m;
-            self.body.tell_gaps_below(least_m.unwrap_or(f64::INFINITY));
-            let happened = self.body.advance(pilot);
+        while !is_over(&self.metrics) {
+            let least_m = self.metrics.min_clearance_m;
+            self.body
+                .ignore_gaps_above(least_m.unwrap_or(f64::INFINITY));
+            let result = self.body.advance(pilot);
             if let Some(observer) = &mut self.observer {
-                observer.happened(milliseconds(happened.time_s), &happened, &self.body);
+                observer.on_step(milliseconds(result.time_s), &result, &self.body);
             }
             pilot.failure().map_or(Ok(()), Err)?;
-            if let Some(reason) = happened.stopped {
-                return Err(Failure::Stopped(reason));
+            if let Some(reason) = result.stopped {
+                return Err(EpisodeError::Stopped(reason));
             }
-            if happened.decision.is_some() || happened.mode_changed {
+            if result.decision.is_some() || result.mode_changed {
                 self.close();
-                progress(self.tally.steps);
+                progress(self.metrics.steps);
                 last_decision_s = self.body.time_s();
             }
-            if happened.mode_changed || is_over(&self.tally) {
+            if result.mode_changed || is_over(&self.metrics) {
                 return Ok(());
             }
-            if self.body.time_s() - last_decision_s > f64::from(Self::PATIENCE) * self.body.ring_s()
+            if self.body.time_s() - last_decision_s
+                > f64::from(Self::MAX_SILENT_RINGS) * self.body.ring_s()
             {
-                return Err(Failure::Silent);
+                return Err(EpisodeError::Silent);
             }
-            if let Some(decision) = &happened.decision {
-                self.open(decision, &happened);
+            if let Some(decision) = &result.decision {
+                self.open(decision, &result);
             }
-            self.follow(&happened);
+            self.follow(&result);
         }
         Ok(())
     }
 
-    fn open(&mut self, decision: &Decision<16>, happened: &StepResult) {
+    fn open(&mut self, decision: &Decision<16>, result: &StepResult) {
         if self.first {
             self.first = false;
             self.nest = decision.situation;
         }
-        self.open = Some(Stride {
+        self.open = Some(StepFlags {
             at_goal: decision.at_goal,
             shielded: decision.allowed != decision.wanted,
             touched: false,
             touched_by: false,
         });
         if let Some(recorder) = &mut self.recorder {
-            recorder.open(decision, happened, &self.body, self.part);
+            recorder.open(decision, result, &self.body, self.part);
         }
     }
 
-    fn follow(&mut self, happened: &StepResult) {
+    fn follow(&mut self, result: &StepResult) {
         if let Some(open) = &mut self.open {
-            open.touched |= happened.collision == Some(Collision::ByRobot);
-            open.touched_by |= happened.collision == Some(Collision::ByOther);
+            open.touched |= result.collision == Some(Collision::ByRobot);
+            open.touched_by |= result.collision == Some(Collision::ByOther);
         }
-        if let Some(moved) = &happened.moved {
-            self.tally
+        if let Some(moved) = &result.moved {
+            self.metrics
                 .moved(moved.from, moved.to, moved.traveled_m, moved.clearance_m);
             self.measure.moved(
                 moved.to,
                 moved.touched,
-                self.body.time_s() - happened.time_s,
+                self.body.time_s() - result.time_s,
                 self.body.leader(),
             );
             if let Some(open) = &mut self.open {
                 open.touched |= moved.touched;
-                open.shielded |= happened.shortened;
+                open.shielded |= result.shortened;
             }
             if let Some(recorder) = &mut self.recorder {
                 recorder.moved(moved);
@@ -355,25 +369,25 @@ impl<'w> Driver<'w> {
     }
 
     fn close(&mut self) {
-        if let Some(stride) = self.open.take() {
-            self.tally.step(stride);
+        if let Some(flags) = self.open.take() {
+            self.metrics.step(flags);
             self.measure.step(self.world, &self.behavior);
             if let Some(recorder) = &mut self.recorder {
-                recorder.close(stride);
+                recorder.close(flags);
             }
         }
     }
 
-    /// Measures from now on, with the nest here.
+    /// Restarts the measurement with a nest.
     pub(super) fn measure_from(&mut self, nest: Point) {
         self.measure = Measure::new(self.world, nest);
     }
 
-    /// Begins a new tally; returns the old one.
+    /// Starts new metrics and returns the old ones.
     pub(super) fn next_phase(&mut self, world: &World) -> Metrics {
         if let Some(recorder) = &mut self.recorder {
             recorder.next_phase();
         }
-        std::mem::replace(&mut self.tally, Metrics::new(world))
+        std::mem::replace(&mut self.metrics, Metrics::new(world))
     }
 }

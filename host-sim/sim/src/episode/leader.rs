@@ -1,9 +1,9 @@
 //! The second robot: a disc of the Nomad's size that drives the Braitenberg rule at 0.15 m/s.
 //!
-//! It hears walls and the robot behind it with an exact ring of its own, and waits rather than touch the robot. The robot
-//! meets it as one more post in the world: its sonars hear it, and touching it is a contact like any other.
+//! Its own exact ring hears walls and the robot behind it. It waits rather than touch the robot. To
+//! the robot it is one more post in the world: sonars hear it, and touching it is a contact.
 
-use crate::braitenberg::{Braitenberg, Tuning};
+use crate::braitenberg::{Braitenberg, BraitenbergTuning};
 use crate::pilot::Pilot as _;
 use crate::ring_pilot::RingPilot;
 use amp::controller::{Event, Progress};
@@ -15,9 +15,9 @@ use arena::world::{Point, Pose, World};
 
 /// Its speed, m/s.
 pub const LEADER_M_S: f64 = 0.15;
-/// Where it starts: this far from the robot, m between centers.
+/// Distance from the robot at the start, m between centers.
 const AHEAD_M: f64 = 1.0;
-/// It keeps at least this gap to the robot, m.
+/// Least gap to the robot, m.
 const GAP_M: f64 = 0.02;
 
 /// A robot to follow.
@@ -26,14 +26,15 @@ pub struct Leader {
     position: Point,
     pilot: RingPilot<Braitenberg>,
     ring: Ring,
-    /// Simulated time it has not driven yet, s.
-    owed_s: f64,
-    /// Of the robot it keeps clear by so much, m.
+    /// Simulated time that it has not driven yet, s.
+    unsimulated_s: f64,
+    /// Gap at which it waits, m.
     gap_m: f64,
 }
 
 impl Leader {
-    /// About 1 m from `robot`, in the direction with most room nearest to straight ahead.
+    /// Starts about 1 m from `robot`, in the direction with the most room that is nearest to
+    /// straight ahead.
     #[must_use]
     pub fn ahead_of(robot: Pose, world: &World) -> Self {
         let turned = |eighth: i32| robot.heading + f64::from(eighth) * std::f64::consts::FRAC_PI_4;
@@ -54,26 +55,29 @@ impl Leader {
         let course = turned(best.unwrap_or(0));
         Self {
             position: place(best.unwrap_or(0)),
-            pilot: RingPilot::new(Braitenberg::towards(Tuning::default(), course), None),
+            pilot: RingPilot::new(
+                Braitenberg::towards(BraitenbergTuning::default(), course),
+                None,
+            ),
             // An exact ring draws no noise.
             ring: Ring::new(SonarModel::Ideal, &mut Noise::new(0)),
-            owed_s: 0.0,
+            unsimulated_s: 0.0,
             gap_m: GAP_M,
         }
     }
 
-    /// One that drives straight on, whatever it hears and whoever is in its way.
+    /// A leader that drives straight on and ignores everything.
     #[cfg(test)]
     pub(super) fn blind(position: Point, course: f64) -> Self {
-        let deaf = Tuning {
+        let deaf = BraitenbergTuning {
             push: 0.0,
-            ..Tuning::default()
+            ..BraitenbergTuning::default()
         };
         Self {
             position,
             pilot: RingPilot::new(Braitenberg::towards(deaf, course), None),
             ring: Ring::new(SonarModel::Ideal, &mut Noise::new(0)),
-            owed_s: 0.0,
+            unsimulated_s: 0.0,
             gap_m: f64::NEG_INFINITY,
         }
     }
@@ -84,18 +88,19 @@ impl Leader {
         self.position
     }
 
-    /// Lets `dt_s` pass: a step at every ring period, unless the robot stands in its way. Whether a step touched the robot.
+    /// Drives for `dt_s`, one step per ring period. It waits while the robot is in its way. Returns
+    /// whether a step touched the robot.
     pub fn advance(&mut self, dt_s: f64, world: &World, robot: Point) -> bool {
-        self.owed_s += dt_s;
+        self.unsimulated_s += dt_s;
         let mut touched = false;
-        while self.owed_s >= RING_PERIOD_S {
-            self.owed_s -= RING_PERIOD_S;
+        while self.unsimulated_s >= RING_PERIOD_S {
+            self.unsimulated_s -= RING_PERIOD_S;
             touched |= self.step(world, robot);
         }
         touched
     }
 
-    /// Whether it touched the robot on the way.
+    /// Returns whether the step touched the robot.
     fn step(&mut self, world: &World, robot: Point) -> bool {
         let crowded = world.with_post(robot, COLLISION_RADIUS_M);
         let mut ranges = [None; 16];
@@ -105,8 +110,8 @@ impl Leader {
         for (sensor, range) in ranges.iter().enumerate() {
             let range = range.map(|m: f64| Range::from_mm((m * 1e3) as u16));
             let sensor = sensor as u8;
-            let heard = Event::Echo { sensor, range };
-            wanted = wanted.or(self.pilot.handle(Millis::from_ms(0), heard).motion);
+            let echo = Event::Echo { sensor, range };
+            wanted = wanted.or(self.pilot.handle(Millis::from_ms(0), echo).motion);
         }
         let Some(motion) = wanted else { return false };
         let way = Point::new(
@@ -134,7 +139,8 @@ impl Leader {
     }
 }
 
-/// Whether a disc that moves straight touches a disc of the same size. Standing still touches nothing.
+/// Whether a disc that moves straight touches a disc of the same size. A disc at rest touches
+/// nothing.
 fn touches(from: Point, to: Point, other: Point) -> bool {
     let (way, there) = (to - from, other - from);
     let length_squared = way.dot(way);
@@ -142,7 +148,7 @@ fn touches(from: Point, to: Point, other: Point) -> bool {
         return false;
     }
     let share = (there.dot(way) / length_squared).clamp(0.0, 1.0);
-    // A motion away from the other disc touches it at the start only.
+    // A motion away from the other disc touches it at the start only, which does not count.
     share > 0.0 && (way * share).distance(there) < 2.0 * COLLISION_RADIUS_M
 }
 
@@ -159,10 +165,10 @@ mod tests {
         // Radii of 0.269 m: 0.538 m between the centers.
         assert!(touched([0.6, 0.0], [0.537, 0.0]));
         assert!(!touched([0.6, 0.0], [0.539, 0.0]));
-        // Past the other one.
+        // Past the other disc.
         assert!(touched([-0.1, 0.537], [0.1, 0.537]));
         assert!(!touched([-0.1, 0.539], [0.1, 0.539]));
-        // Away from it, or not at all.
+        // Away from it, or at rest.
         assert!(!touched([0.5, 0.0], [0.6, 0.0]));
         assert!(!touched([0.5, 0.0], [0.5, 0.0]));
     }
@@ -176,7 +182,8 @@ mod tests {
         for touched in &mut touches {
             *touched = leader.advance(RING_PERIOD_S, &world, robot);
         }
-        // From 0.8 m in steps of 96 mm: within 0.538 m in the third, past the center in the ninth.
+        // From 0.8 m in steps of 96 mm: within 0.538 m in the third step, past the center in the
+        // ninth.
         let wanted: [bool; 12] = std::array::from_fn(|step| (2..9).contains(&step));
         assert_eq!(touches, wanted);
     }

@@ -1,38 +1,39 @@
-//! How well each behavior goes, by the world as it is: the mind never sees any of this.
+//! Measures how well a behavior succeeds, from the true world. The controller never sees these
+//! values.
 
-use super::tally::Metrics;
-use crate::scenes::{Behavior, WALL_RANGE_M};
+use super::metrics::Metrics;
+use crate::behavior::{Behavior, WALL_RANGE_M};
 use arena::sonar::FACE_RADIUS_M;
 use arena::world::{ConeShape, Point, Shape, World};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 
-/// At the nest means within this distance, m.
-pub const NEST_M: f64 = 0.3;
-/// A leader is kept within this distance between centers, m.
-pub const KEPT_M: f64 = 2.0;
-/// Time over which following is judged, s.
-pub const FOLLOWED_S: f64 = 300.0;
-/// A thing nearer than this may be in the way or is being passed, m from the center.
-const MET_M: f64 = 1.6;
-/// Way too short to have a direction, m.
-const STILL_M: f64 = 0.01;
+/// Within this distance the robot is at the nest, m.
+pub const NEST_RADIUS_M: f64 = 0.3;
+/// Following counts within this distance between centers, m.
+pub const FOLLOW_RANGE_M: f64 = 2.0;
+/// Following is measured over this time, s.
+pub const FOLLOW_TIME_S: f64 = 300.0;
+/// An obstacle is passed within this distance from the center, m.
+const PASSING_RANGE_M: f64 = 1.6;
+/// A shorter move has no direction, m.
+const MIN_MOVE_M: f64 = 0.01;
 
-/// What is measured of one phase.
+/// Measurements of one phase.
 #[derive(Debug)]
 pub(super) struct Measure {
     from: Option<Point>,
     heading: Option<f64>,
     errors: f64,
     steps: u32,
-    /// The place to come to.
+    /// The place to reach.
     pub nest: Point,
     at: Point,
-    kept_s: f64,
-    followed_s: f64,
-    /// Of each thing in the world: it stands in the way.
+    in_range_s: f64,
+    follow_s: f64,
+    /// For each shape of the world: it was ahead and has not been passed.
     in_the_way: Vec<bool>,
     passed: [u32; 2],
-    /// Parts of a chain reached.
+    /// Number of goals of a chain that were reached.
     pub reached: u32,
 }
 
@@ -45,31 +46,31 @@ impl Measure {
             steps: 0,
             nest,
             at: world.start().position,
-            kept_s: 0.0,
-            followed_s: 0.0,
+            in_range_s: 0.0,
+            follow_s: 0.0,
             in_the_way: vec![false; world.shapes().len()],
             passed: [0; 2],
             reached: 0,
         }
     }
 
-    /// A piece of the way, or of standing.
+    /// Adds a piece of the path, or a pause.
     pub(super) fn moved(&mut self, to: Point, touched: bool, took_s: f64, leader: Option<Point>) {
         self.at = to;
-        let Some(leader) = leader.filter(|_| self.followed_s < FOLLOWED_S) else {
+        let Some(leader) = leader.filter(|_| self.follow_s < FOLLOW_TIME_S) else {
             return;
         };
-        self.followed_s += took_s;
-        if leader.distance(to) <= KEPT_M && !touched {
-            self.kept_s += took_s;
+        self.follow_s += took_s;
+        if leader.distance(to) <= FOLLOW_RANGE_M && !touched {
+            self.in_range_s += took_s;
         }
     }
 
-    /// A step has ended.
+    /// Ends a step.
     pub(super) fn step(&mut self, world: &World, behavior: &Behavior) {
         let way = self.from.map_or(Point::default(), |from| self.at - from);
         self.from = Some(self.at);
-        if way.length() > STILL_M {
+        if way.length() > MIN_MOVE_M {
             self.heading = Some(way.angle());
         }
         let Some(heading) = self.heading else { return };
@@ -81,9 +82,9 @@ impl Measure {
         }
     }
 
-    /// Adds the distance error: nearest surface in the half plane around `side`, from the faces' circle.
+    /// Adds the distance error of the nearest surface in the half plane around `side`.
     fn wall(&mut self, world: &World, side: f64) {
-        // A half plane but for one degree, where the cone query has its limit.
+        // One degree less than a half plane: the limit of the cone query.
         let half = ConeShape::new(FRAC_PI_2 - 0.0175);
         let view = world.view(self.at, 0.0, 20.0);
         let nearest = view.nearest_in_cone(Point::unit(side), half);
@@ -91,7 +92,7 @@ impl Measure {
         self.steps += 1;
     }
 
-    /// A box or post is in the way when it is met within 30° of the way; it has been passed once it lies abeam.
+    /// An obstacle is ahead within 30° of the heading; it has been passed when it is abeam.
     fn passing(&mut self, world: &World, heading: f64) {
         let ahead = Point::unit(heading);
         for (shape, in_the_way) in world.shapes().iter().zip(&mut self.in_the_way) {
@@ -100,27 +101,27 @@ impl Measure {
                 Shape::Wall { .. } | Shape::Outline { .. } => continue,
             };
             let to = (center - self.at).turned_back(ahead);
-            if to.length() > 2.0 * MET_M {
+            if to.length() > 2.0 * PASSING_RANGE_M {
                 *in_the_way = false;
             } else if to.x > 0.0 && to.y.abs() < to.x * libm::tan(FRAC_PI_6) {
-                *in_the_way |= to.length() < MET_M;
+                *in_the_way |= to.length() < PASSING_RANGE_M;
             } else if to.x <= 0.0 && *in_the_way {
                 *in_the_way = false;
-                if to.length() < MET_M {
+                if to.length() < PASSING_RANGE_M {
                     self.passed[usize::from(to.y < 0.0)] += 1;
                 }
             }
         }
     }
 
-    /// How well it went, and in which unit.
-    pub(super) fn success(&self, behavior: &Behavior, tally: &Metrics) -> (f64, &'static str) {
+    /// The measure of success and its unit.
+    pub(super) fn success(&self, behavior: &Behavior, metrics: &Metrics) -> (f64, &'static str) {
         let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
         match behavior {
             Behavior::Avoid => {
-                let free = tally.steps.saturating_sub(tally.contacts);
+                let free = metrics.steps.saturating_sub(metrics.contacts);
                 (
-                    f64::from(free) / f64::from(tally.steps.max(1)),
+                    f64::from(free) / f64::from(metrics.steps.max(1)),
                     "share of steps without contact",
                 )
             }
@@ -139,12 +140,12 @@ impl Measure {
             Behavior::Seek(file) => match file.place_mm {
                 Some(_) => (self.is_home(), "1 = within 0.3 m of the place at the end"),
                 None => (
-                    share(f64::from(tally.goal_steps), f64::from(tally.steps)),
+                    share(f64::from(metrics.goal_steps), f64::from(metrics.steps)),
                     "share of steps in which the goal held",
                 ),
             },
             Behavior::Follow => (
-                share(self.kept_s, self.followed_s),
+                share(self.in_range_s, self.follow_s),
                 "share of 300 s with the leader within 2 m and not touched",
             ),
             Behavior::Chain(parts) => (
@@ -155,11 +156,11 @@ impl Measure {
     }
 
     fn is_home(&self) -> f64 {
-        f64::from(u8::from(self.at.distance(self.nest) <= NEST_M))
+        f64::from(u8::from(self.at.distance(self.nest) <= NEST_RADIUS_M))
     }
 
-    /// Goes on after a change of behavior.
+    /// Whether the robot is at the nest now.
     pub(super) fn at_nest(&self) -> bool {
-        self.at.distance(self.nest) <= NEST_M
+        self.at.distance(self.nest) <= NEST_RADIUS_M
     }
 }

@@ -1,32 +1,31 @@
 //! An episode: one robot in one world explores, learns and pursues a goal.
 //!
-//! The simulated body turns what happens into the events of [`amp::controller`] and carries out the
-//! motions that come back; the pilot never sees the world itself. Randomness: from the episode's
-//! seed, SplitMix64 draws first the seed of the robot's own generator (its random moves), then that
-//! of the noise of sonars and wheels, so that a run without noise makes the same random moves.
+//! The simulated body sends events to the controller and carries out its motions; the pilot never
+//! sees the world. SplitMix64, seeded by the episode's seed, draws two seeds: first that of the
+//! random moves, then that of all noise. So a run without noise makes the same random moves.
 
 mod body;
 mod capture;
 mod drive;
 mod leader;
 mod measure;
+mod metrics;
 mod places;
 mod pursue;
 mod record;
-mod tally;
 
 pub use body::milliseconds;
 pub use body::{Body, Collision, Moved, StepResult};
 pub use capture::perceive;
 pub use drive::{
-    Episode, Observer, Phase, Setup, drive_pilot, educate, run, run_observed, run_with,
+    Episode, Observer, Phase, Setup, drive_pilot, explore_and_learn, run, run_observed, run_with,
 };
 pub use leader::Leader;
-pub use measure::{FOLLOWED_S, KEPT_M, NEST_M};
+pub use measure::{FOLLOW_RANGE_M, FOLLOW_TIME_S, NEST_RADIUS_M};
+pub use metrics::rounded;
+pub use metrics::{EpisodeReport, Metrics, StepFlags};
 pub use places::elsewhere;
-pub use pursue::{CARRIED_S, repeat};
-pub use tally::rounded;
-pub use tally::{Metrics, Report, Stride};
+pub use pursue::{CARRY_TIME_S, repeat};
 
 use rand_core::{Rng as _, SeedableRng as _};
 use rand_xoshiro::SplitMix64;
@@ -34,7 +33,7 @@ use rand_xoshiro::SplitMix64;
 /// The two seeds of an episode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Seeds {
-    /// For the robot's own generator.
+    /// For the controller's own generator.
     pub exploration: u64,
     /// For the noise of sonars and wheels.
     pub noise: u64,

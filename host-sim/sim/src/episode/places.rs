@@ -1,19 +1,20 @@
-//! Where the robot is set down after exploring.
+//! Random free places where a robot may be placed after exploring.
 
 use arena::noise::Noise;
 use arena::robot::COLLISION_RADIUS_M;
 use arena::world::{Point, World};
 
-/// The place lies at least this far from the nest, m.
+/// Least distance of the place from the nest, m.
 const ELSEWHERE_M: f64 = 1.0;
-/// Gap between body and surfaces at the place and on a way to it, m.
+/// Gap between body and surfaces at the place and on the path to it, m.
 const GAP_M: f64 = 0.15;
-/// Grid of the search for a way, m.
+/// Grid of the path search, m.
 const CELL_M: f64 = 0.1;
-/// Most cells looked at: bounds time and memory in huge worlds.
+/// Limit of the search, which bounds time and memory in huge worlds.
 const MAX_CELLS: usize = 250_000;
 
-/// A free place at least 1 m from `nest` that can be reached from it, drawn by `noise`; the nest itself where there is none.
+/// A random free place at least 1 m from `nest` that can be reached from it. Returns the nest if
+/// there is none.
 #[must_use]
 pub fn elsewhere(world: &World, nest: Point, noise: &mut Noise) -> Point {
     let reached = reachable(world, nest);
@@ -24,7 +25,7 @@ pub fn elsewhere(world: &World, nest: Point, noise: &mut Noise) -> Point {
     far.get(noise.index(far.len())).copied().unwrap_or(nest)
 }
 
-/// Cells of a grid that a disc of the robot's size reaches from `nest`, in a fixed order.
+/// Cells of a grid that a disc of the robot's size can reach from `nest`, in a fixed order.
 fn reachable(world: &World, nest: Point) -> Vec<Point> {
     use std::collections::{HashSet, VecDeque};
     let place =

@@ -1,10 +1,10 @@
-//! Collects the steps of an episode for pictures.
+//! Records the steps of an episode for pictures.
 
 use super::body::{Body, Moved, StepResult};
 use super::drive::Setup;
-use super::tally::Stride;
+use super::metrics::StepFlags;
 use crate::pilot::SimState;
-use crate::recording::{MapRecord, PlanRecord, Recording, Step};
+use crate::recording::{MapRecord, PlanTrace, Recording, Step};
 use amp::controller::Decision;
 use amp::fixed::{Scalar, Weight, to_weight16};
 use amp::memory::from_bytes;
@@ -13,25 +13,25 @@ use amp::som::Som;
 use arena::robot::COLLISION_RADIUS_M;
 use arena::world::{Point, Pose, World};
 
-/// Steps of the phase under way and of the one before.
+/// Steps of the current phase and of the one before.
 #[derive(Debug, Default)]
-pub(super) struct Recorder {
+pub(super) struct StepRecorder {
     earlier: Vec<Step>,
     steps: Vec<Step>,
     open: Option<Step>,
 }
 
-impl Recorder {
+impl StepRecorder {
     pub(super) fn open(
         &mut self,
         decision: &Decision<16>,
-        happened: &StepResult,
+        result: &StepResult,
         body: &Body<'_>,
         part: usize,
     ) {
         self.open = Some(Step {
-            pose: happened.pose,
-            time_s: happened.time_s,
+            pose: result.pose,
+            time_s: result.time_s,
             ranges_m: body.ranges_m().to_vec(),
             situation: values(&decision.situation),
             plan: decision.plan.as_ref().map(plan_record),
@@ -51,11 +51,11 @@ impl Recorder {
         }
     }
 
-    pub(super) fn close(&mut self, stride: Stride) {
+    pub(super) fn close(&mut self, flags: StepFlags) {
         if let Some(step) = self.open.take() {
             self.steps.push(Step {
-                touched: stride.touched,
-                shielded: stride.shielded,
+                touched: flags.touched,
+                shielded: flags.shielded,
                 ..step
             });
         }
@@ -138,8 +138,8 @@ fn values<T: Scalar>(weights: &[T]) -> Vec<f64> {
         .collect()
 }
 
-fn plan_record(plan: &Plan<16>) -> PlanRecord {
-    PlanRecord {
+fn plan_record(plan: &Plan<16>) -> PlanTrace {
+    PlanTrace {
         goal_neuron: usize::from(plan.goal_neuron),
         current_neuron: usize::from(plan.current_neuron),
         intermediate_neuron: usize::from(plan.intermediate_neuron),

@@ -67,7 +67,7 @@ pub(super) fn follow(
         if until.is_some_and(|until| now >= until) {
             return Ok(());
         }
-        session.alive(session.elapsed_ms())?;
+        session.send_heartbeat(session.elapsed_ms())?;
         let pause = now + HEARTBEAT;
         let pause = until.map_or(pause, |until| until.min(pause));
         while let Some(report) = session.next_report(pause)? {
@@ -113,13 +113,13 @@ pub(super) fn monitor(
 ) -> Result<(), FollowError> {
     loop {
         let error = match follow(session, until, out, |_| false) {
-            Err(FollowError::Link(error)) if error.may_pass() => error,
+            Err(FollowError::Link(error)) if error.is_transient() => error,
             other => return other,
         };
         eprintln!("{}; trying again", named(address, &error));
         let mut broken = matches!(error, LinkError::Broken { .. });
         while let Err(error) = reach(session, address, emulation, broken) {
-            if !error.may_pass() {
+            if !error.is_transient() {
                 return Err(error.into());
             }
             broken = true;

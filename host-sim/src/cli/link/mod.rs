@@ -14,8 +14,8 @@ use clap::{Args, Subcommand, ValueEnum};
 use files::error::BadInput;
 use follow::{FollowError, follow, monitor};
 use remote::link::{Address, Emulation, Knowledge, LinkError, Session};
+use sim::behavior::Behavior;
 use sim::goal_file::GoalFile;
-use sim::scenes::Behavior;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -267,7 +267,7 @@ fn perform(
         (_, CheckedVerb::Parameters(wanted)) => tables::parameters(session, wanted, out),
         (_, CheckedVerb::Ask(message)) => ask(session, &message, out),
         (LinkVerb::Push { file }, CheckedVerb::Push(knowledge)) => {
-            knowledge.push(session)?;
+            knowledge.upload(session)?;
             let samples = knowledge.samples();
             let file = file.display();
             Ok(writeln!(
@@ -276,7 +276,7 @@ fn perform(
             )?)
         }
         (LinkVerb::Pull { file }, _) => {
-            let knowledge = Knowledge::pull(session)?;
+            let knowledge = Knowledge::download(session)?;
             knowledge.save(file)?;
             let samples = knowledge.samples();
             let file = file.display();
@@ -316,7 +316,7 @@ fn ask(
 
 fn order(session: &mut Session, order: Order<16>, out: &mut impl Write) -> Result<(), FollowError> {
     let at_ms = session.elapsed_ms();
-    for report in session.order(at_ms, order)? {
+    for report in session.command(at_ms, order)? {
         follow::print(&report, out)?;
     }
     Ok(writeln!(out, "done")?)
@@ -344,7 +344,7 @@ fn follow_order(
     out: &mut impl Write,
 ) -> Result<(), FollowError> {
     let at_ms = session.elapsed_ms();
-    for report in session.order(at_ms, order)? {
+    for report in session.command(at_ms, order)? {
         follow::print(&report, out)?;
     }
     let mut ended = None;

@@ -3,9 +3,9 @@
 use crate::cli::{Cli, CliError, execute};
 use amp::config::Config;
 use clap::Parser;
-use remote::link::{Knowledge, Served};
+use remote::link::{Knowledge, NodeServer};
 
-fn host_sim(served: &Served, line: &str) -> Result<String, String> {
+fn host_sim(served: &NodeServer, line: &str) -> Result<String, String> {
     let line = line.replace("MIND", &format!("tcp:{}", served.host()));
     let words = std::iter::once("host-sim").chain(line.split(' '));
     let cli = Cli::try_parse_from(words).unwrap();
@@ -20,7 +20,7 @@ fn host_sim(served: &Served, line: &str) -> Result<String, String> {
 
 #[test]
 fn every_verb_says_what_came_of_it() {
-    let served = Served::start(Config::recommended()).unwrap();
+    let served = NodeServer::start(Config::recommended()).unwrap();
     let verb = |verb: &str| host_sim(&served, &format!("link --to MIND {verb}"));
     assert!(verb("hello").unwrap().contains("samples the memory holds"));
     let row = |line: &str| {
@@ -31,7 +31,7 @@ fn every_verb_says_what_came_of_it() {
     assert!(row("params far 1300").contains("far 1300"));
     assert!(verb("counters").unwrap().contains("frames accepted"));
     assert!(verb("goal avoid").unwrap().contains("done"));
-    assert!(verb("stop").unwrap().contains("stopped: it was told to"));
+    assert!(verb("stop").unwrap().contains("stopped: on command"));
     assert_eq!(verb("monitor --for 0.1").unwrap(), "");
     assert!(verb("keep free").unwrap().contains("done"));
     assert!(verb("goal kept:free").unwrap().contains("done"));
@@ -42,15 +42,15 @@ fn every_verb_says_what_came_of_it() {
         ("learn", "nothing to learn from"),
         ("seek", "it has not learned yet"),
         ("explore 0", "from 1 to 100 random moves"),
-        ("explore 5", "not every sonar was heard in time"),
-        ("goal perceived", "not every sonar has been heard"),
+        ("explore 5", "a sonar did not report in time"),
+        ("goal perceived", "some sonars have not reported"),
         ("goal none.toml", "none.toml: "),
         ("params fra", "did you mean \"far\"?"),
         ("params far 9999", "between 1 and 6500 mm"),
         ("push none.mind", "none.mind: "),
         ("flash save", "it has nothing to save to"),
-        ("goal kept:nest", "it keeps no goal of this name"),
-        ("drop nest", "it keeps no goal of this name"),
+        ("goal kept:nest", "it has no goal of this name"),
+        ("drop nest", "it has no goal of this name"),
         (
             "keep thirteen-chars",
             "\"thirteen-chars\": a name has 1 to 12",
@@ -64,8 +64,8 @@ fn every_verb_says_what_came_of_it() {
 #[test]
 fn what_an_episode_taught_is_pulled_and_pushed() {
     let (one, two) = (
-        Served::start(Config::recommended()).unwrap(),
-        Served::start(Config::touzet()).unwrap(),
+        NodeServer::start(Config::recommended()).unwrap(),
+        NodeServer::start(Config::touzet()).unwrap(),
     );
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("robot.mind");
@@ -96,7 +96,7 @@ fn what_an_episode_taught_is_pulled_and_pushed() {
 
 #[test]
 fn what_cannot_be_driven_there_is_refused_before_anything_is_written() {
-    let served = Served::start(Config::recommended()).unwrap();
+    let served = NodeServer::start(Config::recommended()).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let line = format!("run --explore 101 --out {} --mind MIND", out.display());

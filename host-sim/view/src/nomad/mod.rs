@@ -1,55 +1,53 @@
-//! A Nomad 200 as a source, real or simulated, over its own line, with a mind here or elsewhere.
+//! Shows a real or simulated Nomad 200, driven by a local or remote controller.
 //!
-//! Its time passes by itself, its surroundings are what its ring has heard.
+//! Its time is real time; its surroundings are the places of echoes.
 
-mod orders;
+mod commands;
 mod parts;
+mod source;
 
-use super::goal::Pursued;
-use super::heard::Heard;
-use super::order::{Done, Order};
-use super::seen::Knowing;
-use super::snapshot::{Part, Scene, Snapshot};
-use super::source::{Abilities, Refused, Source, Stepped};
-use super::trail::{Trail, mark};
+use super::dto::KnowledgeParts;
+use super::echo_trail::EchoTrail;
+use super::goal::ActiveGoal;
+use super::history::{History, mark};
+use super::snapshot::{SceneDto, SnapshotPart};
 use amp::config::Config;
 use amp::controller::Decision;
 use amp::scan::Situation;
 use arena::world::{Point, Pose};
 use nomad200::Host;
-use nomad200::bridge::{About, At, PAUSE, Reins, Thought, Trouble};
-use remote::log::{LogOutput, LoggedMind, SharedLog};
-use sim::episode::Stride;
-use sim::failure::Failure;
+use nomad200::bridge::{Activity, BridgeError, BridgeSession, ResultKind, WorkerResult};
+use remote::log::{LogOutput, LoggedController, SharedLog};
+use sim::behavior::Behavior;
+use sim::episode::StepFlags;
+use sim::error::EpisodeError;
 use sim::pilot::SimState;
-use sim::scenes::Behavior;
 use std::sync::Arc;
-use std::time::Duration;
 
-/// What is watched, and how it is to begin.
+/// What to watch, and the initial settings.
 #[derive(Debug, Clone)]
 pub struct NomadStart {
-    /// Where the robot is.
+    /// Address of the robot.
     pub name: String,
-    /// The open choices of its mind.
+    /// The controller's configuration.
     pub config: Config<16>,
-    /// The same with shield and learning while behaving as they are when switched on.
+    /// The same with shield and online learning switched on.
     pub whole: Config<16>,
-    /// Name of their preset.
+    /// Name of the preset.
     pub preset: String,
-    /// What is pursued at first.
+    /// The first goal.
     pub behavior: Behavior,
     /// Random moves of an exploration.
     pub explore_moves: u16,
     /// Seed of the random moves.
     pub seed: u64,
-    /// Sonars asked for at once.
+    /// Sonars per poll.
     pub sonars_at_once: u32,
 }
 
 /// What the robot does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Doing {
+enum NomadActivity {
     Idle,
     Explore,
     Learn,
@@ -60,138 +58,142 @@ enum Doing {
 /// A Nomad that is watched and steered.
 pub struct WatchedNomad {
     start: NomadStart,
-    /// As it is now.
+    /// The current configuration.
     config: Config<16>,
-    reins: Reins,
+    session: BridgeSession,
     log: Option<SharedLog<LogOutput>>,
-    mind: MindSeen,
-    doing: Doing,
-    interrupted: Doing,
+    controller: ControllerInfo,
+    activity: NomadActivity,
+    interrupted: NomadActivity,
     failure: Option<String>,
     note: Option<String>,
-    goal: Pursued,
+    goal: ActiveGoal,
     nest: Option<(Situation<16>, Point)>,
     decision: Option<Decision<16>>,
     before: Option<Situation<16>>,
     decided_at: Pose,
-    /// When each sonar was heard last, by the robot's clock.
-    heard_ms: [Option<u32>; 16],
+    /// Robot's time of each sonar's latest echo.
+    echo_ms: [Option<u32>; 16],
     explorations: u64,
     explored: [u32; 2],
-    /// Of those towards goals: all, touched, shielded, with the goal held.
+    /// Counts of steps with a goal: all, touched, shielded, at the goal.
     steps: [u32; 4],
     distance_m: f64,
-    open: Option<Stride>,
-    trail: Trail,
-    heard: Heard,
+    open: Option<StepFlags>,
+    trail: History,
+    echo_trail: EchoTrail,
     bounds: [Point; 2],
     time_s: f64,
-    shown: Shown,
+    cache: NomadCache,
 }
 
-/// What is known of the mind without asking it.
-struct MindSeen {
+/// What is known of the controller without a query.
+struct ControllerInfo {
     name: String,
     here: bool,
     known: Option<Box<SimState>>,
-    /// It knows more by now; it has been asked.
+    /// The state has changed; it was requested.
     stale: bool,
     asked: bool,
 }
 
-/// Parts that were made already, and how often anything has changed.
+/// Parts of the latest snapshot, and the number of snapshots.
 #[derive(Default)]
-struct Shown {
+struct NomadCache {
     revision: u64,
-    scene: Option<Arc<Part<Scene>>>,
-    knowing: Knowing,
+    scene: Option<Arc<SnapshotPart<SceneDto>>>,
+    knowledge: KnowledgeParts,
 }
 
 impl WatchedNomad {
-    /// Takes the reins of a robot: it stands. Everything goes into the mind's log, if it has one.
+    /// Opens the session of a robot; the robot stands.
     ///
     /// # Errors
     /// When the robot does not answer.
-    pub fn new(start: NomadStart, host: Host, mind: LoggedMind) -> Result<Self, Trouble> {
-        let seen = MindSeen {
-            name: mind.inner().name(),
-            here: mind.inner().is_here(),
+    pub fn new(
+        start: NomadStart,
+        host: Host,
+        controller: LoggedController,
+    ) -> Result<Self, BridgeError> {
+        let info = ControllerInfo {
+            name: controller.inner().name(),
+            here: controller.inner().is_local(),
             known: None,
             stale: true,
             asked: false,
         };
-        let log = mind.log().cloned();
-        let reins = Reins::take(host, mind, &start.config, start.sonars_at_once)?;
-        let place = reins.pose().position;
+        let log = controller.log().cloned();
+        let session = BridgeSession::open(host, controller, &start.config, start.sonars_at_once)?;
+        let place = session.pose().position;
         Ok(Self {
             config: start.config.clone(),
-            goal: Pursued::behavior(&start.behavior),
-            decided_at: reins.pose(),
+            goal: ActiveGoal::behavior(&start.behavior),
+            decided_at: session.pose(),
             start,
-            reins,
+            session,
             log,
-            mind: seen,
-            doing: Doing::Idle,
-            interrupted: Doing::Idle,
+            controller: info,
+            activity: NomadActivity::Idle,
+            interrupted: NomadActivity::Idle,
             failure: None,
             note: None,
             nest: None,
             decision: None,
             before: None,
-            heard_ms: [None; 16],
+            echo_ms: [None; 16],
             explorations: 0,
             explored: [0; 2],
             steps: [0; 4],
             distance_m: 0.0,
             open: None,
-            trail: Trail::latest(),
-            heard: Heard::new(),
+            trail: History::latest(),
+            echo_trail: EchoTrail::new(),
             bounds: around(place, [place; 2]),
             time_s: 0.0,
-            shown: Shown::default(),
+            cache: NomadCache::default(),
         })
     }
 
-    fn turn(&mut self) -> Result<bool, Trouble> {
-        let turn = self.reins.look()?;
+    fn update(&mut self) -> Result<bool, BridgeError> {
+        let turn = self.session.update()?;
         if let (true, Some(open)) = (turn.touched, &mut self.open) {
             open.touched = true;
         }
-        if self.doing == Doing::Seek {
+        if self.activity == NomadActivity::Seek {
             self.distance_m += turn.way_m;
         }
-        self.look_around();
+        self.record_echoes();
         let mut whole = false;
-        if let Some(thought) = turn.thought {
-            whole = thought.outputs.decision.is_some() || thought.outputs.mode_changed;
-            self.conclude(thought)?;
+        if let Some(result) = turn.result {
+            whole = result.outputs.decision.is_some() || result.outputs.mode_changed;
+            self.handle_result(result)?;
         }
-        self.reins.pass_on(match self.doing {
-            Doing::Explore | Doing::Seek => At::Work,
-            Doing::Learn => At::School,
-            Doing::Idle | Doing::Stopped => At::Rest,
+        self.session.deliver_events(match self.activity {
+            NomadActivity::Explore | NomadActivity::Seek => Activity::Moving,
+            NomadActivity::Learn => Activity::Learning,
+            NomadActivity::Idle | NomadActivity::Stopped => Activity::Rest,
         })?;
-        self.ask_mind();
+        self.request_state();
         Ok(whole)
     }
 
-    /// Notes where the robot is and where its sonars heard something.
-    fn look_around(&mut self) {
-        for (sensor, range_m) in self.reins.ranges_m().into_iter().enumerate() {
-            let (heard_at, at_ms) = self.reins.heard_at(sensor);
-            let new = self.heard_ms[sensor].replace(at_ms) != Some(at_ms);
+    /// Records new echoes and extends the bounds.
+    fn record_echoes(&mut self) {
+        for (sensor, range_m) in self.session.ranges_m().into_iter().enumerate() {
+            let (echo_origin, at_ms) = self.session.echo_origin(sensor);
+            let new = self.echo_ms[sensor].replace(at_ms) != Some(at_ms);
             if let (true, Some(range_m)) = (new, range_m) {
-                self.heard.hear(heard_at, sensor, range_m);
+                self.echo_trail.add(echo_origin, sensor, range_m);
             }
         }
-        let bounds = around(self.reins.pose().position, self.bounds);
+        let bounds = around(self.session.pose().position, self.bounds);
         if bounds != self.bounds {
-            (self.bounds, self.shown.scene) = (bounds, None);
+            (self.bounds, self.cache.scene) = (bounds, None);
         }
     }
 
-    fn conclude(&mut self, thought: Thought) -> Result<(), Trouble> {
-        let outputs = &thought.outputs;
+    fn handle_result(&mut self, result: WorkerResult) -> Result<(), BridgeError> {
+        let outputs = &result.outputs;
         if outputs.decision.is_some() || outputs.mode_changed {
             self.close();
         } else if outputs.motion.is_some()
@@ -200,62 +202,75 @@ impl WatchedNomad {
             open.shielded = true;
         }
         if let Some(refusal) = outputs.refusal {
-            self.note = Some(format!("the mind refused: {refusal:?}"));
-            self.doing = Doing::Idle;
+            self.note = Some(format!("the controller refused: {refusal:?}"));
+            self.activity = NomadActivity::Idle;
         }
-        let happened = thought.about == About::Happenings;
-        match self.doing {
-            Doing::Explore | Doing::Seek if outputs.stopped.is_some() && happened => {
-                let why = outputs.stopped.map(Failure::Stopped);
-                self.note = why.map(|why| why.to_string());
-                self.interrupted = self.doing;
-                self.rest(Doing::Stopped);
-            }
-            Doing::Explore if outputs.mode_changed && happened => self.rest(Doing::Idle),
-            Doing::Learn if thought.about == About::Learning => {
-                self.reins.forget_heard();
-                self.rest(Doing::Idle);
-            }
-            _ => {}
-        }
+        self.update_activity(&result);
         if let Some(decision) = &outputs.decision {
             self.decide(decision);
         }
-        if outputs.decision.is_some() && self.doing == Doing::Seek {
-            self.go_on()?;
+        if outputs.decision.is_some() && self.activity == NomadActivity::Seek {
+            self.advance_goal()?;
         }
-        if let Some(known) = thought.known {
-            self.mind.known = Some(known);
-            self.mind.asked = false;
-            self.shown.knowing.forget_maps();
+        if let Some(known) = result.state {
+            self.controller.known = Some(known);
+            self.controller.asked = false;
+            self.cache.knowledge.invalidate_maps();
         }
         Ok(())
     }
 
-    fn rest(&mut self, doing: Doing) {
-        self.doing = doing;
-        self.mind.stale = true;
+    /// Ends an activity that the controller has stopped or completed.
+    fn update_activity(&mut self, result: &WorkerResult) {
+        let outputs = &result.outputs;
+        let happened = result.kind == ResultKind::Events;
+        match self.activity {
+            NomadActivity::Explore | NomadActivity::Seek
+                if outputs.stopped.is_some() && happened =>
+            {
+                let why = outputs.stopped.map(EpisodeError::Stopped);
+                self.note = why.map(|why| why.to_string());
+                self.interrupted = self.activity;
+                self.rest(NomadActivity::Stopped);
+            }
+            NomadActivity::Explore if outputs.mode_changed && happened => {
+                self.rest(NomadActivity::Idle)
+            }
+            NomadActivity::Learn if result.kind == ResultKind::Learning => {
+                self.session.discard_events();
+                self.rest(NomadActivity::Idle);
+            }
+            _ => {}
+        }
     }
 
-    /// Asks what the mind knows; one elsewhere only while nobody waits for it.
-    fn ask_mind(&mut self) {
-        let moves = matches!(self.doing, Doing::Explore | Doing::Learn | Doing::Seek);
-        let may = self.mind.here && self.doing != Doing::Learn || !moves;
-        if may && self.mind.stale && !self.mind.asked {
-            (self.mind.stale, self.mind.asked) = (false, true);
-            self.reins.ask_knowledge();
+    fn rest(&mut self, activity: NomadActivity) {
+        self.activity = activity;
+        self.controller.stale = true;
+    }
+
+    /// Requests the controller's state; from a remote controller only while the robot stands.
+    fn request_state(&mut self) {
+        let moves = matches!(
+            self.activity,
+            NomadActivity::Explore | NomadActivity::Learn | NomadActivity::Seek
+        );
+        let may = self.controller.here && self.activity != NomadActivity::Learn || !moves;
+        if may && self.controller.stale && !self.controller.asked {
+            (self.controller.stale, self.controller.asked) = (false, true);
+            self.session.request_state();
         }
     }
 
     fn decide(&mut self, decision: &Decision<16>) {
-        let pose = self.reins.pose();
+        let pose = self.session.pose();
         if self.nest.is_none() {
             self.nest = Some((decision.situation, pose.position));
         }
         self.before = self.decision.map(|before| before.situation);
         (self.decision, self.decided_at) = (Some(*decision), pose);
-        self.mind.stale = true;
-        self.open = Some(Stride {
+        self.controller.stale = true;
+        self.open = Some(StepFlags {
             at_goal: decision.at_goal,
             shielded: decision.allowed != decision.wanted,
             touched: false,
@@ -263,34 +278,34 @@ impl WatchedNomad {
         });
     }
 
-    /// The step under way has ended.
+    /// Ends the current step.
     fn close(&mut self) {
-        let Some(stride) = self.open.take() else {
+        let Some(flags) = self.open.take() else {
             return;
         };
-        let seeks = self.doing == Doing::Seek;
-        if seeks {
-            let counted = [true, stride.touched, stride.shielded, stride.at_goal];
+        let seeking = self.activity == NomadActivity::Seek;
+        if seeking {
+            let counted = [true, flags.touched, flags.shielded, flags.at_goal];
             for (count, add) in self.steps.iter_mut().zip(counted) {
                 *count += u32::from(add);
             }
         } else {
             self.explored[0] += 1;
-            self.explored[1] += u32::from(stride.touched);
+            self.explored[1] += u32::from(flags.touched);
         }
         let neuron = self.decision.and_then(|decision| decision.plan);
         let neuron = neuron.map(|plan| usize::from(plan.current_neuron));
-        let ranges_m = self.reins.ranges_m();
+        let ranges_m = self.session.ranges_m();
         let nearest = ranges_m.iter().flatten().copied().reduce(f64::min);
-        let (time_s, place) = (self.reins.time_s(), self.reins.pose().position);
+        let (time_s, place) = (self.session.time_s(), self.session.pose().position);
         self.trail
-            .push(mark(time_s, place, seeks, stride, neuron, nearest));
+            .push(mark(time_s, place, seeking, flags, neuron, nearest));
     }
 
-    /// Goes on to the next part of a chain when the present one is reached; after the last it stands.
-    fn go_on(&mut self) -> Result<(), Trouble> {
+    /// Starts the next part of a chain when the current one is reached; stops after the last.
+    fn advance_goal(&mut self) -> Result<(), BridgeError> {
         let [steps, _, _, held] = self.steps;
-        match self.goal.go_on(steps, held) {
+        match self.goal.advance(steps, held) {
             None => {}
             Some(true) => self.pursue(),
             Some(false) => {
@@ -302,22 +317,23 @@ impl WatchedNomad {
         Ok(())
     }
 
-    fn fail(&mut self, trouble: &Trouble) {
-        self.reins.finish(matches!(trouble, Trouble::Mind(_)));
+    fn fail(&mut self, trouble: &BridgeError) {
+        self.session
+            .finish(matches!(trouble, BridgeError::Controller(_)));
         let which = match trouble {
-            Trouble::Robot(_) => &self.start.name,
-            _ => &self.mind.name,
+            BridgeError::Robot(_) => &self.start.name,
+            _ => &self.controller.name,
         };
-        self.failure = Some(format!("{which}: {trouble}; the robot was told to stand"));
+        self.failure = Some(format!("{which}: {trouble}; the robot was stopped"));
     }
 
     fn knows_maps(&self) -> bool {
-        let known = self.mind.known.as_deref();
+        let known = self.controller.known.as_deref();
         known.is_some_and(SimState::has_learned)
     }
 }
 
-/// Bounds that hold a place and some meters around it; they grow by whole meters.
+/// Bounds with some meters around a place; they grow by whole meters.
 fn around(place: Point, [low, high]: [Point; 2]) -> [Point; 2] {
     const ROOM_M: f64 = 2.0;
     let down = |m: f64| libm::floor(m - ROOM_M);
@@ -326,67 +342,4 @@ fn around(place: Point, [low, high]: [Point; 2]) -> [Point; 2] {
         Point::new(low.x.min(down(place.x)), low.y.min(down(place.y))),
         Point::new(high.x.max(up(place.x)), high.y.max(up(place.y))),
     ]
-}
-
-impl Source for WatchedNomad {
-    fn abilities(&self) -> Abilities {
-        Abilities {
-            drive: true,
-            configure: true,
-            save: true,
-            ..Abilities::default()
-        }
-    }
-
-    fn step(&mut self) -> Stepped {
-        if self.failure.is_some() {
-            return Stepped::Standing;
-        }
-        std::thread::sleep(PAUSE);
-        let whole = match self.turn() {
-            Ok(whole) => whole,
-            Err(trouble) => {
-                self.fail(&trouble);
-                return Stepped::Standing;
-            }
-        };
-        let before_s = std::mem::replace(&mut self.time_s, self.reins.time_s());
-        Stepped::Took {
-            took_s: self.time_s - before_s,
-            whole,
-        }
-    }
-
-    fn carry_out(&mut self, order: &Order) -> Result<Done, Refused> {
-        if let Some(why) = &self.failure {
-            return Err(why.clone().into());
-        }
-        self.obey(order)
-    }
-
-    fn snapshot(&mut self) -> Snapshot {
-        self.parts()
-    }
-
-    fn steering_lost(&mut self, silence: Duration) {
-        if self.failure.is_some() || !matches!(self.doing, Doing::Explore | Doing::Seek) {
-            return;
-        }
-        match self.stop() {
-            Ok(()) => {
-                let seconds = silence.as_secs_f64();
-                self.note = Some(format!(
-                    "It stopped: no page has steered it for {seconds} s"
-                ));
-            }
-            Err(trouble) => self.fail(&trouble),
-        }
-    }
-
-    fn end(&mut self) -> Result<(), String> {
-        if self.failure.is_none() {
-            self.reins.finish(false);
-        }
-        self.log.as_ref().map_or(Ok(()), SharedLog::finish)
-    }
 }

@@ -1,60 +1,62 @@
-//! What of a watched Nomad is shown.
+//! Builds the snapshot of a Nomad.
 
-use super::{Doing, WatchedNomad};
-use crate::seen::{meters, millimeters, plan_seen, pose_seen, ring, xy};
-use crate::snapshot::{Counts, Now, Part, Ring, Scene, Short, Showable, Snapshot, Xy};
-use crate::source::Source as _;
+use super::{NomadActivity, WatchedNomad};
+use crate::dto::{meters, millimeters, plan_dto, pose_dto, ring, xy};
+use crate::snapshot::{
+    DriveCounts, LiveState, PartMessage, RingValues, Rounded, SceneDto, Snapshot, SnapshotPart, Xy,
+};
+use crate::source::ViewSource as _;
 use amp::config::PlannerKind;
 use amp::controller::Decision;
 use amp::planner::difference;
 use amp::units::Displacement;
 use arena::robot::COLLISION_RADIUS_M;
 use arena::sonar::{RingGeometry, SonarModel};
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 use std::sync::Arc;
 
 impl WatchedNomad {
     pub(super) fn parts(&mut self) -> Snapshot {
-        self.shown.revision += 1;
-        let revision = self.shown.revision;
-        let mut parts: Vec<Arc<dyn Showable>> = vec![self.scene(revision)];
+        self.cache.revision += 1;
+        let revision = self.cache.revision;
+        let mut parts: Vec<Arc<dyn PartMessage>> = vec![self.scene(revision)];
         let learned = self.knows_maps();
-        if let Some(known) = &self.mind.known {
-            let knowing = &mut self.shown.knowing;
-            parts.extend(knowing.parts(revision, known, &self.config, learned));
+        if let Some(known) = &self.controller.known {
+            let knowledge = &mut self.cache.knowledge;
+            parts.extend(knowledge.parts(revision, known, &self.config, learned));
         }
         Snapshot {
             parts,
             now: Box::new(self.now()),
-            trail: self.trail.parts().chain(self.heard.parts()).collect(),
+            trail: self.trail.parts().chain(self.echo_trail.parts()).collect(),
             revision,
         }
     }
 
-    fn scene(&mut self, revision: u64) -> Arc<Part<Scene>> {
-        if let Some(scene) = &self.shown.scene {
+    fn scene(&mut self, revision: u64) -> Arc<SnapshotPart<SceneDto>> {
+        if let Some(scene) = &self.cache.scene {
             return Arc::clone(scene);
         }
-        let scene = Arc::new(Part::new("scene", 0, revision, self.scene_now()));
-        self.shown.scene = Some(Arc::clone(&scene));
+        let scene = Arc::new(SnapshotPart::new("scene", 0, revision, self.scene_now()));
+        self.cache.scene = Some(Arc::clone(&scene));
         scene
     }
 
-    fn scene_now(&self) -> Scene {
+    fn scene_now(&self) -> SceneDto {
         let (start, config) = (&self.start, &self.config);
         let place = self
             .nest
             .map_or(self.decided_at.position, |(_, place)| place);
         let about = |name: &&str| [(*name).to_owned(), Behavior::about(name).to_owned()];
-        // Another robot to be followed is not known here.
+        // There is no robot to follow.
         let names = Behavior::NAMES.iter().filter(|name| **name != "follow");
-        Scene {
+        SceneDto {
             world: format!("Nomad at {}", start.name),
             bounds: self.bounds.map(xy),
             shapes: Vec::new(),
             start: xy(place),
-            radii_m: [COLLISION_RADIUS_M, RingGeometry::default().face_radius_m].map(Short),
-            half_angle_rad: Short(SonarModel::Nomad.config().half_angle_rad),
+            radii_m: [COLLISION_RADIUS_M, RingGeometry::default().face_radius_m].map(Rounded),
+            half_angle_rad: Rounded(SonarModel::Nomad.config().half_angle_rad),
             near_far_m: [config.encoding.near_mm, config.encoding.far_mm].map(millimeters),
             step_m: millimeters(config.robot.step_mm),
             seed: start.seed.to_string(),
@@ -62,7 +64,7 @@ impl WatchedNomad {
             sonar: "the robot's own".to_owned(),
             turret: "held".to_owned(),
             moves: start.explore_moves,
-            mind: self.mind.name.clone(),
+            mind: self.controller.name.clone(),
             recalls: config.planning.planner == PlannerKind::Recall,
             abilities: self.abilities(),
             behaviors: names.map(about).collect(),
@@ -71,17 +73,17 @@ impl WatchedNomad {
         }
     }
 
-    fn now(&self) -> Now {
-        let pose = self.reins.pose();
+    fn now(&self) -> LiveState {
+        let pose = self.session.pose();
         let decision = self.decision;
-        let busy = matches!(self.doing, Doing::Explore | Doing::Seek);
-        let (situation, heard_at) = match &decision {
+        let busy = matches!(self.activity, NomadActivity::Explore | NomadActivity::Seek);
+        let (situation, scan_pose) = match &decision {
             Some(decision) if busy => (decision.situation, self.decided_at),
             _ => (self.perceived(), pose),
         };
         let plan = decision.and_then(|decision| decision.plan);
-        let known = self.mind.known.as_deref();
-        let plan = plan.and_then(|plan| Some(plan_seen(&plan, known?)));
+        let known = self.controller.known.as_deref();
+        let plan = plan.and_then(|plan| Some(plan_dto(&plan, known?)));
         let place = self.nest.map_or(pose.position, |(_, place)| place);
         let moved = |way: fn(&Decision<16>) -> Displacement| {
             decision
@@ -89,18 +91,19 @@ impl WatchedNomad {
                 .map_or(Xy::default(), |it| meters(way(it)))
         };
         let (mode, done) = self.mode();
-        let mind = (!self.mind.here).then(|| format!("{} and ", self.mind.name));
-        Now {
-            time_s: Short(self.time_s),
-            step_s: Short(0.1),
-            pose: pose_seen(pose),
-            heard_at: pose_seen(heard_at),
+        let controller = (!self.controller.here).then(|| format!("{} and ", self.controller.name));
+        LiveState {
+            time_s: Rounded(self.time_s),
+            step_s: Rounded(0.1),
+            pose: pose_dto(pose),
+            heard_at: pose_dto(scan_pose),
             mode,
             why: self.failure.clone(),
             note: self.note.clone(),
-            resumes: self.doing == Doing::Stopped && self.interrupted != Doing::Idle,
-            done: Short(done),
-            ranges_m: self.reins.ranges_m().map(|range| range.map(Short)),
+            resumes: self.activity == NomadActivity::Stopped
+                && self.interrupted != NomadActivity::Idle,
+            done: Rounded(done),
+            ranges_m: self.session.ranges_m().map(|range| range.map(Rounded)),
             on: std::array::from_fn(|sensor| self.config.enabled.contains(sensor)),
             situation: ring(&situation),
             changed: self.changed(),
@@ -108,45 +111,49 @@ impl WatchedNomad {
             wanted_m: moved(|decision| decision.wanted),
             allowed_m: moved(|decision| decision.allowed),
             touched: self.open.is_some_and(|open| open.touched),
-            goal: self.goal.seen(&self.config, &self.nest(), place),
+            goal: self.goal.to_dto(&self.config, &self.nest(), place),
             counts: self.counts(),
             shield: self.config.shield.is_some(),
             online: self.config.online.is_some(),
             leader: None,
-            link: Some(format!("{}{}", mind.unwrap_or_default(), self.start.name)),
+            link: Some(format!(
+                "{}{}",
+                controller.unwrap_or_default(),
+                self.start.name
+            )),
             pace: Default::default(),
             trail: self.trail.ends(),
             at: None,
-            heard: self.heard.ends(),
+            heard: self.echo_trail.ends(),
         }
     }
 
-    fn changed(&self) -> Option<Ring> {
+    fn changed(&self) -> Option<RingValues> {
         let (now, before) = (self.decision.as_ref()?, self.before.as_ref()?);
         Some(ring(&difference(&now.situation, before)))
     }
 
     fn mode(&self) -> (&'static str, f64) {
         let moves = f64::from(self.start.explore_moves.max(1));
-        match self.doing {
+        match self.activity {
             _ if self.failure.is_some() => ("failed", 0.0),
-            Doing::Idle => ("idle", 0.0),
-            Doing::Explore => ("explore", f64::from(self.explored[0]) / moves),
-            Doing::Learn => ("learn", 0.5),
-            Doing::Seek => ("seek", 0.0),
-            Doing::Stopped => ("stopped", 0.0),
+            NomadActivity::Idle => ("idle", 0.0),
+            NomadActivity::Explore => ("explore", f64::from(self.explored[0]) / moves),
+            NomadActivity::Learn => ("learn", 0.5),
+            NomadActivity::Seek => ("seek", 0.0),
+            NomadActivity::Stopped => ("stopped", 0.0),
         }
     }
 
-    fn counts(&self) -> Counts {
+    fn counts(&self) -> DriveCounts {
         let [steps, contacts, shielded, at_goal] = self.steps;
-        Counts {
+        DriveCounts {
             explored: self.explored,
             steps,
             contacts,
             shielded,
             at_goal,
-            distance_m: Short(self.distance_m),
+            distance_m: Rounded(self.distance_m),
             clearance_m: None,
             coverage_m2: None,
         }

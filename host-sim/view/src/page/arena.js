@@ -1,4 +1,4 @@
-// The arena from above, in centimeters; the world's y axis is up.
+// The arena from above, in centimeters; the y axis points up.
 const arena = { root: $("arena"), pieces: new Map(), spots: new Map(), shapes: [], drag: null, unit: 1 };
 
 function buildArena() {
@@ -103,7 +103,7 @@ function showRobot(now) {
   const [x, y, heading] = now.pose;
   if (!(arena.drag && arena.drag.element === arena.robot)) place(arena.robot, x, y, heading, glide(now));
   arena.body.classList.toggle("hit", now.touched);
-  set(arena.robot, { "aria-label": `Robot at ${fixed(x, 2)}, ${fixed(y, 2)} m: arrow keys carry it` });
+  set(arena.robot, { "aria-label": `Robot at ${fixed(x, 2)}, ${fixed(y, 2)} m: arrow keys move it` });
   const [hx, hy, ring] = now.heard_at;
   const half = scene.half_angle_rad;
   const face = scene.radii_m[1];
@@ -129,7 +129,7 @@ function showRobot(now) {
   if (now.leader) { const [lx, ly] = cm(now.leader); set(arena.leader, { cx: lx, cy: ly }); }
   arena.place.style.display = now.goal.place ? "" : "none";
   if (now.goal.place) { const [gx, gy] = cm(now.goal.place); set(arena.place, { cx: gx, cy: gy }); }
-  if (scene.abilities.jump) showBehind(now);
+  if (scene.abilities.jump) showPast(now);
   else {
     for (const [index, shown] of arena.pieces) if (index < now.trail[0]) { shown.group.remove(); arena.pieces.delete(index); }
     for (const index of view.trail.keys()) if (index < now.trail[0]) view.trail.delete(index);
@@ -138,8 +138,8 @@ function showRobot(now) {
   for (const index of view.heard.keys()) if (index < now.heard[0]) view.heard.delete(index);
 }
 
-// Of a recording, only what lies behind is drawn, and only of the present start.
-function showBehind(now) {
+// In a recording, draws only the decisions before the current position, of the current start.
+function showPast(now) {
   let before = 0;
   for (const [index, marks] of [...view.trail.entries()].sort((a, b) => a[0] - b[0])) {
     const count = index < now.trail[0] ? 0 : Math.max(0, Math.min(marks.length, now.at - before));
@@ -150,7 +150,7 @@ function showBehind(now) {
   }
 }
 
-// Where something was heard, as dots.
+// Places of echoes, as dots.
 function showSpots(spots, index) {
   if (!arena.spots.has(index)) arena.spots.set(index, svg("path", { class: "spot" }, arena["spots-layer"]));
   const r = Math.max(2, 1.6 * arena.unit);
@@ -158,7 +158,7 @@ function showSpots(spots, index) {
   set(arena.spots.get(index), { d: spots.map(dot).join("") });
 }
 
-// How long the robot may take on the page from where it was to where it is, ms.
+// Duration of the animation between two poses, ms.
 function glide(now) {
   if (matchMedia("(prefers-reduced-motion: reduce)").matches || !now.pace.speed || now.pace.standing) return 0;
   return Math.min(1000 * now.step_s / now.pace.speed, 600);
@@ -170,7 +170,7 @@ function place(element, x, y, heading, ms) {
   element.style.transform = `translate(${px}px, ${py}px) rotate(${-heading}rad)`;
 }
 
-// A piece of the trail, joined to the end of the one before.
+// A chunk of the history, joined to the end of the one before.
 function showPiece(all, index, behind) {
   const jump = view.scene && view.scene.abilities.jump;
   const known = arena.pieces.get(index);
@@ -180,7 +180,7 @@ function showPiece(all, index, behind) {
     const group = svg("g", { "pointer-events": "none" }, arena.trails);
     const lines = { 0: svg("path", { class: "path explore" }, group), 1: svg("path", { class: "path seek" }, group) };
     arena.pieces.set(index, { group, lines, touches: svg("path", { class: "touch" }, group) });
-    // What is long past is pale.
+    // Old chunks are pale.
     for (const [other, piece] of arena.pieces) piece.group.classList.toggle("old", !jump && other < index - 1);
   }
   const before = view.trail.get(index - 1);
@@ -191,7 +191,7 @@ function showPiece(all, index, behind) {
   for (const mark of marks) {
     const [x, y] = cm([mark[1], mark[2]]);
     const from = last ? cm([last[1], last[2]]) : [x, y];
-    // Carried, not driven.
+    // The robot was carried.
     const jump = Math.hypot(x - from[0], y - from[1]) > 60;
     text[mark[3]] += jump ? `M${x.toFixed(1)} ${y.toFixed(1)}` : `M${from.map((v) => v.toFixed(1)).join(" ")}L${x.toFixed(1)} ${y.toFixed(1)}`;
     if (mark[4] & 1) touches += `M${x - 4 * u} ${y - 4 * u}l${8 * u} ${8 * u}m0 ${-8 * u}l${-8 * u} ${8 * u}`;
@@ -208,7 +208,7 @@ function showGhost(mark) {
   if (mark) { const [cx, cy] = cm([mark[1], mark[2]]); set(arena.ghost, { cx, cy }); }
 }
 
-// Dragging with a pointer, and the arrow keys.
+// Moves an element by dragging or with the arrow keys.
 function grabbable(element, begin) {
   element.addEventListener("pointerdown", (event) => {
     if (!view.seat.you || !view.scene.abilities.carry) return;
@@ -241,10 +241,10 @@ function dragOn(event) {
   const [dx, dy] = cm(way);
   if (drag.what === "move_robot") place(drag.element, drag.to[0], drag.to[1], view.now.pose[2], 0);
   else set(drag.element, { transform: `translate(${dx} ${dy})` });
-  // An obstacle is there while it is dragged; the robot is set down once.
+  // An obstacle moves while it is dragged; the robot moves once at the end.
   if (drag.what === "move_shape" && performance.now() - drag.sent > 150) {
     drag.sent = performance.now();
-    order(drag.what, { shape: drag.shape, x: drag.to[0], y: drag.to[1] }).catch(() => {});
+    sendCommand(drag.what, { shape: drag.shape, x: drag.to[0], y: drag.to[1] }).catch(() => {});
   }
 }
 

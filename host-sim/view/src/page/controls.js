@@ -1,4 +1,4 @@
-// Orders, counters, who steers.
+// Commands, counters, control lock.
 const SPEEDS = [0.25, 0.5, 1, 2, 4, 10, 40, 200, null];
 const speedName = (speed) => speed === null ? "max" : `${speed}×`;
 
@@ -13,7 +13,7 @@ function showGoalChoice() {
   const [scene, now] = [view.scene, view.now];
   if (!scene || !now) return;
   const names = scene.behaviors.map(([name]) => [name, name]);
-  // A chain is one behavior after the other.
+  // A chain consists of several behaviors.
   const chained = now.goal.name.split(",").every((part) => scene.behaviors.some(([name]) => name === part));
   $("then-choice").hidden = !chained || !scene.abilities.drive;
   options($("then"), [["", "–"], ...names.filter(([name]) => name !== now.goal.name.split(",").pop())], "");
@@ -23,19 +23,19 @@ function showGoalChoice() {
   $("behavior").title = about ? about[1] : now.goal.name;
 }
 
-const MODES = { idle: "stands", explore: "explores", learn: "learns", seek: "seeks", stopped: "stopped", failed: "cannot go on" };
-// Of a chain, what is pursued now.
+const MODES = { idle: "stands", explore: "explores", learn: "learns", seek: "seeks", stopped: "stopped", failed: "has failed" };
+// Of a chain, the current part.
 function goalName({ name, part }) {
   const parts = name.split(",");
   return part === null || part === undefined ? name : `${parts[part]} (${part + 1} of ${parts.length})`;
 }
 
-let told = "";
-let awaited = null;
+let announced = "";
+let pendingSwitch = null;
 
 function showMode(now) {
   const goal = now.mode === "seek" ? `: ${goalName(now.goal)}` : "";
-  const paused = now.pace.paused ? ", time stands still" : "";
+  const paused = now.pace.paused ? ", paused" : "";
   say($("mode"), MODES[now.mode] + goal + paused);
   set($("mode"), { "data-mode": now.mode });
   const busy = now.mode === "explore" || now.mode === "learn";
@@ -43,12 +43,12 @@ function showMode(now) {
   if (busy) $("done").value = now.done;
   say($("time"), `${fixed(now.time_s, 1)} s`);
   $("alarm").hidden = !now.why;
-  const again = view.scene && view.scene.abilities.reset ? " Start anew to go on." : "";
+  const again = view.scene && view.scene.abilities.reset ? " Press Restart to continue." : "";
   if (now.why) say($("alarm"), `${now.why}.${again}`);
   $("note").hidden = !now.note;
   if (now.note) say($("note"), `${now.note}.`);
   const text = MODES[now.mode] + goal;
-  if (text !== told) { told = text; say($("status"), `The robot ${text}`); }
+  if (text !== announced) { announced = text; say($("status"), `The robot ${text}`); }
   const learned = view.maps && view.maps.learned;
   $("resume").disabled = !now.resumes;
   $("learn").disabled = !view.memory.length || busy;
@@ -57,13 +57,13 @@ function showMode(now) {
   const next = !view.memory.length ? "explore" : !learned ? "learn" : "seek";
   for (const id of ["explore", "learn", "seek"]) $(id).classList.toggle("primary", id === next && !$(id).disabled);
   const over = recording() && now.pace.standing;
-  say($("pause"), over ? "Play again" : now.pace.paused ? (recording() ? "Play" : "Run on") : "Pause");
+  say($("pause"), over ? "Play again" : now.pace.paused ? (recording() ? "Play" : "Continue") : "Pause");
   $("pause").classList.toggle("primary", now.pace.paused || over);
   $("step").disabled = over;
   $("back").disabled = $("first").disabled = now.at === 0;
   const speeds = SPEEDS.includes(now.pace.speed) ? SPEEDS : [now.pace.speed, ...SPEEDS];
   options($("speed"), speeds.map((speed) => [String(speed), speedName(speed)]), String(now.pace.speed));
-  for (const id of ["shield", "online"]) if (awaited !== id) $(id).checked = now[id];
+  for (const id of ["shield", "online"]) if (pendingSwitch !== id) $(id).checked = now[id];
   showGoalChoice();
 }
 
@@ -74,11 +74,11 @@ function showCounts(now) {
   const mind = view.scene ? view.scene.mind : "";
   const all = [["random moves", hurt ? `${moves} (${hurt} touched)` : `${moves}`, hurt > 0], ["decisions", `${counts.steps}`],
     ["contacts", `${counts.contacts}`, counts.contacts > 0], ["shield", `${counts.shielded}`],
-    ["goal held", share(counts.at_goal)], ["way", `${fixed(counts.distance_m, 1)} m`],
+    ["goal held", share(counts.at_goal)], ["distance", `${fixed(counts.distance_m, 1)} m`],
     ["least gap", counts.clearance_m === null ? "–" : meters(counts.clearance_m)], ["area swept", counts.coverage_m2 === null ? "–" : `${fixed(counts.coverage_m2, 1)} m²`],
-    ["mind", mind, false], ["line", now.link ? (now.why ? "lost" : "holds") : "–", !!now.link && !!now.why]];
-  // What is not known of this robot is left out.
-  const rows = all.filter(([, text]) => text !== "–" || !view.scene || view.scene.abilities.carry).filter(([name, text]) => name !== "line" || text !== "–");
+    ["controller", mind, false], ["link", now.link ? (now.why ? "lost" : "connected") : "–", !!now.link && !!now.why]];
+  // Unknown values are hidden.
+  const rows = all.filter(([, text]) => text !== "–" || !view.scene || view.scene.abilities.carry).filter(([name, text]) => name !== "link" || text !== "–");
   const root = $("counts");
   const names = rows.map(([name]) => name).join();
   if (root.dataset.names !== names) root.replaceChildren(...rows.map(([name]) => {
@@ -112,15 +112,15 @@ function showSetup(scene) {
 
 function showSeat(seat) {
   const others = seat.viewers > 1 ? `, ${seat.viewers} watch` : "";
-  say($("seat"), (seat.you ? "you steer" : seat.taken ? "somebody else steers" : token ? "nobody steers" : "you only watch") + others);
-  $("seat").title = token ? "" : "Open the whole address the program printed to steer.";
+  say($("seat"), (seat.you ? "you steer" : seat.taken ? "another viewer steers" : token ? "no viewer steers" : "you only watch") + others);
+  $("seat").title = token ? "" : "To steer, open the full address that the program printed.";
   $("steer").hidden = !token || seat.you;
   $("steer").textContent = seat.taken ? "Take over" : "Steer";
   for (const id of ["orders", "setup"]) $(id).disabled = !seat.you;
   $("stop").disabled = !token;
 }
 
-function keep(file) {
+function saveFile(file) {
   if (!file) return;
   const bytes = file.hex ? Uint8Array.from(file.hex.match(/../g), (pair) => parseInt(pair, 16)) : file.text;
   const link = document.createElement("a");
@@ -140,18 +140,18 @@ function choose(accept, read) {
 
 async function loadMind(file) {
   const bytes = new Uint8Array(await file.arrayBuffer());
-  if (bytes.length > 120000) return notify(`${file.name} is too large for a mind.`);
+  if (bytes.length > 120000) return notify(`${file.name} is too large.`);
   const hex = Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
-  if (await ask("load_mind", { hex })) notify(`${file.name} is loaded: choose a goal and press Seek.`);
+  if (await ask("load_mind", { hex })) notify(`${file.name} is loaded: select a goal and press Seek.`);
 }
 
 async function loadGoal(file) {
   if (await ask("goal_file", { text: (await file.text()).slice(0, 100000) })) notify(`${file.name} is the goal now.`);
 }
 
-function startAnew() {
+function restart() {
   const seed = $("seed").value.trim();
-  if (!/^\d+$/.test(seed) || !Number.isSafeInteger(Number(seed))) return notify("A seed is a whole number up to 9007199254740991.");
+  if (!/^\d+$/.test(seed) || !Number.isSafeInteger(Number(seed))) return notify("The seed must be a whole number up to 9007199254740991.");
   const world = $("world").value === "random:" ? `random:${seed}` : $("world").value;
   ask("reset", { seed: Number(seed), world, preset: $("preset").value });
 }
@@ -164,7 +164,7 @@ async function playOrPause() {
   } else ask("pause", { paused: !now.pace.paused });
 }
 
-function wire() {
+function bindControls() {
   for (const id of ["stop", "explore", "learn", "seek", "resume", "step"]) $(id).addEventListener("click", () => ask(id));
   $("pause").addEventListener("click", playOrPause);
   $("first").addEventListener("click", () => jump(0));
@@ -174,21 +174,21 @@ function wire() {
     event.target.value = "";
     event.target.blur();
   });
-  $("here").addEventListener("click", async () => { if (await ask("goal_here") && view.now.mode !== "seek") notify("This place is the goal now: carry the robot away and press Seek."); });
+  $("here").addEventListener("click", async () => { if (await ask("goal_here") && view.now.mode !== "seek") notify("The goal is set: move the robot away and press Seek."); });
   $("speed").addEventListener("change", (event) => ask("speed", { factor: event.target.value === "null" ? null : Number(event.target.value) }).then(() => event.target.blur()));
   $("behavior").addEventListener("change", (event) => { if (event.target.value !== NAMED) ask("behavior", { name: event.target.value }); event.target.blur(); });
   for (const id of ["shield", "online"]) $(id).addEventListener("change", async (event) => {
-    awaited = id;
+    pendingSwitch = id;
     await ask(id, { on: event.target.checked });
-    setTimeout(() => { awaited = null; if (view.now) event.target.checked = view.now[id]; }, 300);
+    setTimeout(() => { pendingSwitch = null; if (view.now) event.target.checked = view.now[id]; }, 300);
   });
-  $("reset").addEventListener("click", startAnew);
-  $("save-mind").addEventListener("click", async () => { const reply = await ask("save_mind"); if (reply) keep(reply.file); });
-  $("save-goal").addEventListener("click", async () => { const reply = await ask("save_goal"); if (reply) keep(reply.file); });
+  $("reset").addEventListener("click", restart);
+  $("save-mind").addEventListener("click", async () => { const reply = await ask("save_mind"); if (reply) saveFile(reply.file); });
+  $("save-goal").addEventListener("click", async () => { const reply = await ask("save_goal"); if (reply) saveFile(reply.file); });
   $("load-mind").addEventListener("click", () => choose(".mind", loadMind));
   $("load-goal").addEventListener("click", () => choose(".toml", loadGoal));
   $("steer").addEventListener("click", () => ask("steer", { token, over: true }));
-  // The space bar stops, wherever the focus is; Enter presses buttons.
+  // The space bar stops the robot whatever has the focus; Enter presses buttons.
   const space = (event) => {
     if (event.code !== "Space" || event.ctrlKey || event.altKey || event.metaKey) return;
     event.preventDefault();
@@ -200,10 +200,10 @@ function wire() {
   window.addEventListener("keyup", space, true);
 }
 
-wire();
+bindControls();
 showers.now.push(showMode, showCounts);
 showers.maps.push(() => { if (view.now) showMode(view.now); });
 showers.memory.push(() => { if (view.now) showMode(view.now); });
 showers.scene.push(showSetup, showGoalChoice);
 showers.seat.push(showSeat);
-showers.gone.push(() => { showSeat(view.seat); say($("seat"), "the program is not there: trying again"); });
+showers.gone.push(() => { showSeat(view.seat); say($("seat"), "no connection to the program: trying again"); });

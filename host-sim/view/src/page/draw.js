@@ -1,4 +1,4 @@
-// Small tools for drawing. Rosettes as in the printed pictures: the front of the ring is up, left is left.
+// Drawing helpers. In rosettes the front of the ring is up, as in the printed pictures.
 const $ = (id) => document.getElementById(id);
 
 function svg(tag, attributes, parent) {
@@ -22,18 +22,18 @@ function say(element, text) {
 const fixed = (value, digits) => (Math.abs(value) < 0.5 * 10 ** -digits ? 0 : value).toFixed(digits);
 const meters = (value) => `${fixed(value, 2)} m`;
 
-// The point at `radius` towards `bearing`: 0 is up, counter-clockwise.
+// The point at `radius` in direction `bearing`; 0 is up, counter-clockwise.
 const toward = (x, y, bearing, radius) => [x - radius * Math.sin(bearing), y - radius * Math.cos(bearing)];
 const bearingOf = (sensor) => (2 * Math.PI * sensor) / 16;
 
-// The outline of a bar of a rosette between two radii.
+// Outline of a rosette's bar between two radii.
 function bar(x, y, sensor, from, to) {
   const half = 0.36 * 2 * Math.PI / 16;
   const at = (radius, side) => toward(x, y, bearingOf(sensor) + side * half, radius).map((v) => v.toFixed(1)).join(" ");
   return `M${at(from, 1)}L${at(to, 1)}L${at(to, -1)}L${at(from, -1)}Z`;
 }
 
-// The smallest round end of an axis that holds all values.
+// The smallest round axis limit that covers all values.
 function axisEnd(values) {
   const largest = values.reduce((most, value) => Math.max(most, Math.abs(value)), 0);
   return [0.1, 0.25, 0.5].find((end) => largest <= end && largest > 0) || 1;

@@ -1,11 +1,11 @@
-// The socket: parts come in, orders go out.
+// The socket: receives snapshot parts and sends commands.
 const view = { scene: null, maps: null, memory: [], now: null, trail: new Map(), heard: new Map(), seat: { you: false, taken: false, viewers: 0 } };
 const showers = { scene: [], maps: [], memory: [], now: [], trail: [], heard: [], seat: [], gone: [] };
 const waiting = new Map();
 let socket = null;
-let orders = 0;
+let commandCount = 0;
 
-// The token comes in the fragment, which is sent to nobody, and leaves the address at once.
+// The token comes in the fragment, which browsers never send, and is removed from the address at once.
 function findToken() {
   const found = /^#token=([0-9a-f]+)$/.exec(location.hash);
   if (found) {
@@ -16,17 +16,17 @@ function findToken() {
 }
 const token = findToken();
 
-function order(what, details) {
+function sendCommand(what, details) {
   return new Promise((resolve, reject) => {
-    if (!socket || socket.readyState !== WebSocket.OPEN) return reject(new Error("the program is not there"));
-    orders += 1;
-    waiting.set(orders, { resolve, reject });
-    socket.send(JSON.stringify({ id: orders, do: what, ...details }));
+    if (!socket || socket.readyState !== WebSocket.OPEN) return reject(new Error("no connection to the program"));
+    commandCount += 1;
+    waiting.set(commandCount, { resolve, reject });
+    socket.send(JSON.stringify({ id: commandCount, do: what, ...details }));
   });
 }
 
-// An order whose refusal is shown to the person.
-const ask = (what, details) => order(what, details).catch((why) => { notify(why.message); return null; });
+// Sends a command and shows a refusal to the user.
+const ask = (what, details) => sendCommand(what, details).catch((why) => { notify(why.message); return null; });
 
 function receive(message) {
   if ("reply" in message) {
@@ -42,18 +42,18 @@ function receive(message) {
 }
 
 function connect(pause) {
-  const shown = token ? `?token=${token}` : "";
-  socket = new WebSocket(`ws://${location.host}/socket${shown}`);
+  const query = token ? `?token=${token}` : "";
+  socket = new WebSocket(`ws://${location.host}/socket${query}`);
   let next = Math.min(pause * 2, 5000);
   socket.onopen = () => {
     next = 250;
     view.trail.clear();
     view.heard.clear();
-    if (token) order("steer", { token }).catch((why) => notify(why.message));
+    if (token) sendCommand("steer", { token }).catch((why) => notify(why.message));
   };
   socket.onmessage = (event) => receive(JSON.parse(event.data));
   socket.onclose = () => {
-    for (const asked of waiting.values()) asked.reject(new Error("the program is not there"));
+    for (const asked of waiting.values()) asked.reject(new Error("no connection to the program"));
     waiting.clear();
     view.seat = { you: false, taken: false, viewers: 0 };
     for (const show of showers.gone) show();

@@ -1,4 +1,4 @@
-// Light or dark as the system has it, unless somebody chose.
+// The system's color scheme, unless the user has chosen one.
 function setTheme(theme) {
   if (theme) document.documentElement.dataset.theme = theme;
   else delete document.documentElement.dataset.theme;

@@ -1,4 +1,4 @@
-// Both maps as tiles: rosettes of values, or of changes with the action as an arrow.
+// Both maps as tiles: rosettes of situations, or of changes with the action as an arrow.
 const maps = { situations: [], changes: [], shown: { situations: null, changes: null } };
 
 function buildMap(name) {
@@ -48,11 +48,11 @@ function mapKey(event, name, neuron) {
 
 async function chooseGoal(neuron) {
   if (!view.scene || !view.scene.abilities.drive) return;
-  if (!view.seat.you) return notify("You watch: whoever steers chooses the goal.");
-  if (await ask("goal_neuron", { neuron }) && view.now && view.now.mode !== "seek") notify(`Neuron N${neuron + 1} is the goal now: press Seek.`);
+  if (!view.seat.you) return notify("You only watch: the steering viewer selects the goal.");
+  if (await ask("goal_neuron", { neuron }) && view.now && view.now.mode !== "seek") notify(`Neuron N${neuron + 1} is the goal: press Seek.`);
 }
 
-// Looking at a neuron shows the moves that trained it, and says what it stands for.
+// Selects a neuron: shows its samples and describes it.
 function look(name, neuron) {
   maps.shown[name] = neuron;
   describe(name);
@@ -62,14 +62,14 @@ function look(name, neuron) {
 function describe(name) {
   const neuron = maps.shown[name];
   const seen = view.maps;
-  const note = !seen || !seen.learned ? "" : name === "situations" ? `Shade: U-matrix; number: moves it answers to.${view.scene && view.scene.abilities.drive ? " Choose a neuron as the goal." : ""}` :
-    "Bars: change of situation; arrow: the move that brings it.";
+  const note = !seen || !seen.learned ? "" : name === "situations" ? `Shade: U-matrix; number: samples.${view.scene && view.scene.abilities.drive ? " Select a neuron as the goal." : ""}` :
+    "Bars: change of situation; arrow: the action.";
   say($(`${name}-detail`), neuron === null || !seen || !seen.learned ? note : words(name, neuron, seen));
 }
 
 function words(name, neuron, seen) {
   const map = seen[name];
-  const hits = `${map.hits[neuron]} move${map.hits[neuron] === 1 ? "" : "s"}`;
+  const hits = `${map.hits[neuron]} sample${map.hits[neuron] === 1 ? "" : "s"}`;
   const u = `U-matrix ${fixed(map.u_matrix[neuron], 2)}`;
   if (name === "changes") {
     const [x, y] = seen.actions_m[neuron];
@@ -126,7 +126,7 @@ function paint(tile, shade, hits) {
 
 const show = (element, visible) => { element.style.display = visible ? "" : "none"; };
 
-// Present, next and goal neuron, and the walk between them.
+// Marks the current, next and goal neurons and the walk between them.
 function showMarks(now) {
   const plan = now.plan;
   const goal = now.goal.neuron !== null ? now.goal.neuron : plan ? plan.goal : null;

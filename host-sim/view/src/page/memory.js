@@ -1,7 +1,7 @@
-// The lazy memory: a row per remembered move, with the neurons it trained.
+// The lazy memory: a row per sample, with its best neurons.
 const memory = { rows: [], looked: null };
 
-// A situation as a strip of 16 cells, front first, counter-clockwise.
+// A situation as 16 cells, counter-clockwise from the front.
 function strip(values) {
   const cells = values.map((value, place) => {
     const color = value === null ? "transparent" : `color-mix(in srgb, var(--value) ${(100 * value).toFixed(0)}%, var(--card))`;
@@ -23,7 +23,7 @@ function showMemory(samples) {
   $("rows").hidden = samples.length === 0;
   say($("memory-count"), samples.length ? `${samples.length} moves, cells: sonar 0 to 15` : "");
   const body = $("samples");
-  // A new exploration begins with fewer rows.
+  // A new exploration starts with fewer rows.
   if (samples.length < memory.rows.length) { body.replaceChildren(); memory.rows = []; }
   for (let index = memory.rows.length; index < samples.length; index += 1) body.append(sampleRow(samples[index], index));
   showTrained();
@@ -51,7 +51,7 @@ function sampleRow(sample, index) {
   return row;
 }
 
-// Rows and neurons that belong together: those of the neuron looked at, those of the row looked at, those of the present neuron.
+// Highlights the rows of the selected and the current neuron, and the neurons of the selected row.
 function showTrained() {
   const seen = view.maps;
   const pairs = seen && seen.learned ? seen.rows : [];

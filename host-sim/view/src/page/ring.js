@@ -1,4 +1,4 @@
-// What the ring perceives: ranges as a polar plot, and the situation they become; the change of situation as bars.
+// Ranges as a polar plot, the situation as a rosette, and its change as bars.
 const ring = { sensors: [], full: 0 };
 
 function buildRing() {
@@ -66,14 +66,14 @@ function showRing(now) {
   });
   set(ring.values, { d: now.situation.map((value, sensor) => value > 0.004 ? bar(0, 0, sensor, 28, 28 + 76 * value) : "").join("") });
   set(ring.asked, { d: now.goal.travels ? "" : now.goal.asked.map((ends, sensor) => ends ? asked(sensor, ends) : "").join("") });
-  const note = now.goal.travels ? "The goal is counted from where the robot goes: it has no fixed place on the ring." : scene.abilities.configure ? "Choose a sonar to switch it off or on." : "Point at a sonar for its range.";
+  const note = now.goal.travels ? "The goal depends on the direction of travel, so it has no fixed place on the ring." : scene.abilities.configure ? "Select a sonar to switch it on or off." : "Point at a sonar to see its range.";
   const looked = ring.looked;
   say($("ranges-detail"), looked === undefined ? note : `Sonar ${looked}, ${side(looked)}: ${heard(now.ranges_m[looked], now.on[looked])}`);
 }
 
 const heard = (range, on) => !on ? "off" : range === null ? "no echo" : meters(range);
 
-// What a goal asks of a sonar: a band, or a line where it is one value.
+// The goal's bounds for a sonar: a band, or a line for a single value.
 function asked(sensor, [low, high]) {
   const [from, to] = [28 + 76 * low, 28 + 76 * high];
   return to - from < 3 ? bar(0, 0, sensor, from - 2, from + 2) : high < 1 && low === 0 ? bar(0, 0, sensor, to - 1, to + 2.5) : bar(0, 0, sensor, from, to);
@@ -115,11 +115,11 @@ function showDelta(now) {
   });
   say(delta.ends[0], `+${full}`);
   say(delta.ends[1], `−${full}`);
-  say($("wanted-name"), view.scene && view.scene.recalls ? "asked of the map" : "expected of the move");
-  say($("known-name"), `neuron A${plan.action + 1} knows`);
+  say($("wanted-name"), view.scene && view.scene.recalls ? "wanted change" : "expected change");
+  say($("known-name"), `stored in A${plan.action + 1}`);
 }
 
-// Why the robot does what it does, in a sentence.
+// Describes the plan in a sentence.
 function reason(now) {
   const [x, y] = now.wanted_m;
   const length = 100 * Math.hypot(x, y);

@@ -1,4 +1,4 @@
-// The time line: a column per decision, the oldest left; the nearest range as a line.
+// The history: a column per decision, the oldest on the left, and the nearest range as a line.
 const trail = { root: $("trail"), looked: null, queued: false };
 
 function allMarks() {
@@ -29,7 +29,7 @@ function drawTrail() {
     return sayTrail();
   }
   const [left, top, bottom] = [34, 4, height - 26];
-  // Few decisions are not stretched over the whole width.
+  // A few decisions do not fill the whole width.
   const step = Math.min((width - left - 4) / marks.length, 6);
   trail.scale = { left, step };
   const reach = view.scene ? view.scene.near_far_m[1] : 4;
@@ -59,7 +59,7 @@ function drawTrail() {
     pen.stroke();
   }
   if (at < marks.length || (view.now && view.now.at !== null)) {
-    // Where the recording is.
+    // The current position in the recording.
     const x = left + at * step;
     pen.fillStyle = color("down");
     pen.fillRect(x - 1, 0, 2, bottom + 22);
@@ -82,26 +82,26 @@ function sayTrail() {
   showGhost(mark);
   const last = Math.max(marks.length - 1, 0);
   set(trail.root, { "aria-valuemax": last, "aria-valuenow": trail.looked === null ? last : trail.looked });
-  const text = mark ? `Decision ${trail.looked + 1} at ${fixed(mark[0], 1)} s: ${mark[3] ? "seeks" : "explores"}${mark[5] >= 0 ? ` in N${mark[5] + 1}` : ""}, ` +
-    `nearest ${mark[6] < 0 ? "none" : meters(mark[6])}${mark[4] & 1 ? ", touched" : ""}${mark[4] & 2 ? ", shield" : ""}${mark[4] & 4 ? ", goal holds" : ""}` :
-    marks.length && recording() ? `${view.now.at} of ${marks.length} decisions lie behind: click one to go there.` :
-    marks.length ? `${marks.length} decisions${marks.length >= 6400 ? " (the latest)" : ""}: point at one to see where the robot was.` : "";
+  const text = mark ? `Decision ${trail.looked + 1} at ${fixed(mark[0], 1)} s: ${mark[3] ? "seeking" : "exploring"}${mark[5] >= 0 ? ` in N${mark[5] + 1}` : ""}, ` +
+    `nearest ${mark[6] < 0 ? "none" : meters(mark[6])}${mark[4] & 1 ? ", touched" : ""}${mark[4] & 2 ? ", shield" : ""}${mark[4] & 4 ? ", at the goal" : ""}` :
+    marks.length && recording() ? `${view.now.at} of ${marks.length} decisions: click one to jump there.` :
+    marks.length ? `${marks.length} decisions${marks.length >= 6400 ? " (the latest ones)" : ""}: point at one to see where the robot was.` : "";
   set(trail.root, { "aria-valuetext": text });
   say($("trail-detail"), text);
 }
 
 const recording = () => !!view.scene && view.scene.abilities.jump;
 
-// Goes to a decision of a recording; of several wishes while one is carried out the latest counts.
+// Jumps within a recording; of several requests during a jump only the latest counts.
 function jump(to) {
-  trail.wish = to;
+  trail.target = to;
   if (trail.jumping) return;
   trail.jumping = true;
   const next = () => {
-    const wish = trail.wish;
-    trail.wish = null;
-    if (wish === null) { trail.jumping = false; return; }
-    ask("jump", { to: wish }).then(next);
+    const target = trail.target;
+    trail.target = null;
+    if (target === null) { trail.jumping = false; return; }
+    ask("jump", { to: target }).then(next);
   };
   next();
 }

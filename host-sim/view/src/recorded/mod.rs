@@ -1,189 +1,192 @@
-//! A log as a source: the mind is told again what it was told then, and everything it thinks can be seen, at any moment.
+//! Shows a log: the controller is replayed, and its maps and plans are visible at any time.
 //!
-//! Going back begins from the start: ten thousand decisions are told in a fifth of a second. Every answer is compared with
-//! that of the log, as [`replay`](remote::log::replay()) does.
+//! Going back replays from the beginning; ten thousand decisions take a fifth of a second. Every
+//! answer is compared with the log's, as [`replay`](remote::log::replay()) does.
 
 mod parts;
-mod tape;
+mod timeline;
 
-use super::choices::mind_file;
-use super::goal::Pursued;
-use super::heard::Heard;
-use super::order::{Done, Order};
-use super::seen::Knowing;
-use super::snapshot::{Part, Scene, ShapeSeen, Snapshot};
-use super::source::{Abilities, Refused, Source, Stepped};
-use crate::snapshot::Counts;
+use super::command::{CommandOutcome, PageCommand};
+use super::configure::knowledge_file;
+use super::dto::KnowledgeParts;
+use super::echo_trail::EchoTrail;
+use super::goal::ActiveGoal;
+use super::snapshot::{SceneDto, ShapeDto, Snapshot, SnapshotPart};
+use super::source::{Capabilities, CommandRefused, StepOutcome, ViewSource};
+use crate::snapshot::DriveCounts;
 use amp::controller::{Decision, Mode, Progress};
 use amp::scan::Situation;
 use arena::robot::COLLISION_RADIUS_M;
 use arena::world::{Point, Pose};
 use files::error::BadInput;
-use remote::log::{Answer, EventRecord, Happening, LogFile, Replayer, Setup};
+use remote::log::{AnswerRecord, EventKind, EventRecord, LogFile, Replayer, SetupRecord};
 use sim::coverage::Coverage;
 use std::sync::Arc;
-use tape::{Item, Tape};
+use timeline::{Timeline, TimelineItem};
 
-/// A longer time in which nothing happens passes like this one, s: somebody carried the robot.
+/// Longer pauses are shortened to this, s; the robot was carried.
 const LONGEST_WAIT_S: f64 = 2.0;
 
-/// What is without a pose for so long is a step all the same, s.
+/// A time without a pose is divided into steps of this length, s.
 const LONGEST_STEP_S: f64 = 0.2;
 
-/// A recorded robot.
-pub struct Recorded {
-    tape: Tape,
-    /// Items that lie behind.
+/// A log that is watched.
+pub struct WatchedLog {
+    timeline: Timeline,
+    /// Index of the next item.
     at: usize,
-    playing: Playing,
-    shown: Shown,
+    playback: Playback,
+    cache: LogCache,
 }
 
-/// Parts that were made already, and how often anything has changed.
+/// Parts of the latest snapshot, and the number of snapshots.
 #[derive(Default)]
-struct Shown {
+struct LogCache {
     revision: u64,
-    scene: Option<(u32, Arc<Part<Scene>>)>,
-    knowing: Knowing,
+    scene: Option<(u32, Arc<SnapshotPart<SceneDto>>)>,
+    knowledge: KnowledgeParts,
 }
 
-/// The robot and its mind at a moment of the recording.
-struct Playing {
-    setup: Setup,
-    retold: Replayer,
-    /// Starts so far.
+/// Robot and controller at the current position.
+struct Playback {
+    setup: SetupRecord,
+    replayer: Replayer,
+    /// Number of starts so far.
     starts: usize,
-    /// How often what stands around has changed.
+    /// Number of changes of the surroundings.
     scene_changes: u32,
-    /// Decisions so far.
+    /// Number of decisions so far.
     decided: usize,
-    shapes: Arc<Vec<ShapeSeen>>,
+    shapes: Arc<Vec<ShapeDto>>,
     start: Option<Point>,
     pose: Pose,
-    heard_at: Pose,
+    scan_pose: Pose,
     leader: Option<Point>,
     ranges_m: [Option<f64>; 16],
     nest: Option<(Situation<16>, Point)>,
     decision: Option<Decision<16>>,
     before: Option<Situation<16>>,
     touched: bool,
-    goal: Option<Pursued>,
-    counts: Counts,
+    goal: Option<ActiveGoal>,
+    counts: DriveCounts,
     distance_m: f64,
     coverage: Coverage,
-    heard: Heard,
+    echo_trail: EchoTrail,
     time_s: f64,
     step_s: f64,
-    /// Where the mind decides otherwise than the log says, in words.
+    /// The first difference between controller and log, in words.
     difference: Option<String>,
 }
 
-impl Recorded {
-    /// A log from its beginning.
+impl WatchedLog {
+    /// Opens a log at its beginning.
     ///
     /// # Errors
-    /// When it cannot be read as one, or nothing was decided.
+    /// When it cannot be read or holds no decision.
     pub fn new(log: &LogFile) -> Result<Self, BadInput> {
-        let tape = Tape::read(log)?;
-        let playing = Playing::new(log.setup(), &tape, Heard::new());
+        let timeline = Timeline::read(log)?;
+        let playback = Playback::new(log.setup(), &timeline, EchoTrail::new());
         let mut recorded = Self {
-            tape,
+            timeline,
             at: 0,
-            playing,
-            shown: Shown::default(),
+            playback,
+            cache: LogCache::default(),
         };
         recorded.set_scene();
         Ok(recorded)
     }
 
-    /// What is there before anything happens; the robot stands where it will first be seen.
+    /// Applies the items before the first event; the robot stands at its first pose.
     fn set_scene(&mut self) {
-        let mut items = self.tape.items.iter();
+        let mut items = self.timeline.items.iter();
         let first = items.find_map(|(_, item)| match item {
-            Item::Pose(pose) => Some(*pose),
+            TimelineItem::Pose(pose) => Some(*pose),
             _ => None,
         });
-        while let Some((_, item @ (Item::Start(_) | Item::Shapes(_) | Item::Leader(_)))) =
-            self.tape.items.get(self.at)
+        while let Some((
+            _,
+            item @ (TimelineItem::Start(_) | TimelineItem::Shapes(_) | TimelineItem::Leader(_)),
+        )) = self.timeline.items.get(self.at)
         {
-            self.playing.take(item, &self.tape);
+            self.playback.take(item, &self.timeline);
             self.at += 1;
         }
         let pose = first.unwrap_or_default();
-        (self.playing.pose, self.playing.heard_at) = (pose, pose);
+        (self.playback.pose, self.playback.scan_pose) = (pose, pose);
     }
 
-    /// Goes on to the next place of the robot, or for as long as a step may be.
-    fn go_on(&mut self) {
-        let Some(&(began, _)) = self.tape.items.get(self.at) else {
+    /// Advances to the next pose, or by the longest step.
+    fn advance(&mut self) {
+        let Some(&(began, _)) = self.timeline.items.get(self.at) else {
             return;
         };
-        let playing = &mut self.playing;
-        while let Some((time_ns, item)) = self.tape.items.get(self.at) {
+        let playback = &mut self.playback;
+        while let Some((time_ns, item)) = self.timeline.items.get(self.at) {
             let late = *time_ns > began.saturating_add((LONGEST_STEP_S * 1e9) as u64);
             let last = match item {
-                Item::Event(_) | Item::Start(_) if late => break,
-                Item::Pose(_) => true,
+                TimelineItem::Event(_) | TimelineItem::Start(_) if late => break,
+                TimelineItem::Pose(_) => true,
                 _ => false,
             };
-            playing.time_s = *time_ns as f64 / 1e9;
-            playing.take(item, &self.tape);
+            playback.time_s = *time_ns as f64 / 1e9;
+            playback.take(item, &self.timeline);
             self.at += 1;
-            if last || playing.difference.is_some() {
+            if last || playback.difference.is_some() {
                 break;
             }
         }
-        let rest = self.tape.items.get(self.at..).unwrap_or(&[]);
+        let rest = self.timeline.items.get(self.at..).unwrap_or(&[]);
         let now = rest.first().map_or(began, |(time_ns, _)| *time_ns);
         let took_s = now.saturating_sub(began) as f64 / 1e9;
-        playing.step_s = took_s.min(LONGEST_WAIT_S);
-        // As in a simulation, a step was made when it is shown.
+        playback.step_s = took_s.min(LONGEST_WAIT_S);
+        // As in a simulation, a step is executed when it is shown.
         if took_s < LONGEST_WAIT_S {
             let mut places = rest
                 .iter()
-                .take_while(|(_, item)| !matches!(item, Item::Start(_)));
+                .take_while(|(_, item)| !matches!(item, TimelineItem::Start(_)));
             let next = places.find_map(|(_, item)| match item {
-                Item::Pose(pose) => Some(*pose),
+                TimelineItem::Pose(pose) => Some(*pose),
                 _ => None,
             });
-            playing.pose = next.unwrap_or(playing.pose);
+            playback.pose = next.unwrap_or(playback.pose);
         }
     }
 
-    /// Goes to where so many decisions have been taken.
+    /// Jumps to a number of decisions.
     fn jump(&mut self, to: usize) {
-        let to = to.min(self.tape.decisions);
-        if to < self.playing.decided || self.playing.difference.is_some() {
+        let to = to.min(self.timeline.decisions);
+        if to < self.playback.decided || self.playback.difference.is_some() {
             self.at = 0;
-            let setup = self.playing.setup.clone();
-            self.playing = Playing::new(&setup, &self.tape, self.playing.heard.afresh());
+            let setup = self.playback.setup.clone();
+            self.playback =
+                Playback::new(&setup, &self.timeline, self.playback.echo_trail.restarted());
             self.set_scene();
         }
-        while self.playing.decided < to && !self.is_over() {
-            self.go_on();
+        while self.playback.decided < to && !self.is_over() {
+            self.advance();
         }
-        self.shown.knowing.forget();
-        self.shown.scene = None;
+        self.cache.knowledge.invalidate();
+        self.cache.scene = None;
     }
 
     fn is_over(&self) -> bool {
-        self.at >= self.tape.items.len() || self.playing.difference.is_some()
+        self.at >= self.timeline.items.len() || self.playback.difference.is_some()
     }
 }
 
-impl Playing {
-    fn new(setup: &Setup, tape: &Tape, heard: Heard) -> Self {
-        let [low, high] = tape.bounds;
+impl Playback {
+    fn new(setup: &SetupRecord, timeline: &Timeline, echo_trail: EchoTrail) -> Self {
+        let [low, high] = timeline.bounds;
         Self {
             setup: setup.clone(),
-            retold: Replayer::new(setup),
+            replayer: Replayer::new(setup),
             starts: 0,
             scene_changes: 0,
             decided: 0,
             shapes: Arc::default(),
             start: None,
             pose: Pose::default(),
-            heard_at: Pose::default(),
+            scan_pose: Pose::default(),
             leader: None,
             ranges_m: [None; 16],
             nest: None,
@@ -191,27 +194,27 @@ impl Playing {
             before: None,
             touched: false,
             goal: None,
-            counts: Counts::default(),
+            counts: DriveCounts::default(),
             distance_m: 0.0,
             coverage: Coverage::new((low, high), COLLISION_RADIUS_M),
-            heard,
+            echo_trail,
             time_s: 0.0,
             step_s: 0.0,
             difference: None,
         }
     }
 
-    fn take(&mut self, item: &Item, tape: &Tape) {
+    fn take(&mut self, item: &TimelineItem, timeline: &Timeline) {
         match item {
-            Item::Start(setup) => self.begin(setup, tape),
-            Item::Event(record) => {
-                self.unsaid();
-                self.hear(record);
+            TimelineItem::Start(setup) => self.begin(setup, timeline),
+            TimelineItem::Event(record) => {
+                self.check_unlogged();
+                self.add_echoes(record);
                 let decision = &mut None;
-                let told = self.retold.tell(record, |outputs| {
+                let applied = self.replayer.apply(record, |outputs| {
                     *decision = outputs.decision.or(*decision);
                 });
-                if let Err(why) = told {
+                if let Err(why) = applied {
                     self.difference.get_or_insert(why);
                 }
                 if let Some(decision) = decision {
@@ -219,27 +222,27 @@ impl Playing {
                 }
                 self.pursue(&record.event);
             }
-            Item::Answer(answer) => self.compare(answer),
-            Item::Pose(pose) => self.stand(*pose),
-            Item::Shapes(shapes) => {
+            TimelineItem::Answer(answer) => self.compare(answer),
+            TimelineItem::Pose(pose) => self.set_pose(*pose),
+            TimelineItem::Shapes(shapes) => {
                 self.shapes = Arc::clone(shapes);
                 self.scene_changes += 1;
             }
-            Item::Leader(at) => self.leader = Some(*at),
+            TimelineItem::Leader(at) => self.leader = Some(*at),
         }
     }
 
-    /// What it said and the log does not, before it is told something else.
-    fn unsaid(&mut self) {
-        if self.retold.unsaid().is_some() {
+    /// Reports an answer that the log lacks, before the next event.
+    fn check_unlogged(&mut self) {
+        if self.replayer.unlogged_answer().is_some() {
             self.differs();
         }
     }
 
-    fn begin(&mut self, setup: &Setup, tape: &Tape) {
-        self.unsaid();
+    fn begin(&mut self, setup: &SetupRecord, timeline: &Timeline) {
+        self.check_unlogged();
         let shapes = Arc::clone(&self.shapes);
-        let mut next = Self::new(setup, tape, self.heard.afresh());
+        let mut next = Self::new(setup, timeline, self.echo_trail.restarted());
         next.difference = self.difference.take();
         (next.starts, next.decided) = (self.starts + 1, self.decided);
         (next.shapes, next.time_s) = (shapes, self.time_s);
@@ -247,9 +250,9 @@ impl Playing {
         *self = next;
     }
 
-    fn hear(&mut self, record: &EventRecord) {
+    fn add_echoes(&mut self, record: &EventRecord) {
         match &record.event {
-            Happening::Echoes(echoes) => {
+            EventKind::Echoes(echoes) => {
                 for echo in echoes {
                     let sensor = usize::from(echo.sensor);
                     let range_m = echo.range_mm.map(|mm| f64::from(mm) / 1e3);
@@ -257,16 +260,16 @@ impl Playing {
                         *range = range_m;
                     }
                     if let (true, Some(range_m)) = (self.shapes.is_empty(), range_m) {
-                        self.heard.hear(self.pose, sensor, range_m);
+                        self.echo_trail.add(self.pose, sensor, range_m);
                     }
                 }
             }
-            Happening::Odometry {
+            EventKind::Odometry {
                 progress: Progress::Touched,
                 ..
             } => {
                 self.touched = true;
-                match self.seeks() {
+                match self.is_seeking() {
                     true => self.counts.contacts += 1,
                     false => self.counts.explored[1] += 1,
                 }
@@ -275,7 +278,7 @@ impl Playing {
         }
     }
 
-    fn seeks(&self) -> bool {
+    fn is_seeking(&self) -> bool {
         self.decision
             .is_some_and(|decision| decision.plan.is_some())
     }
@@ -285,7 +288,7 @@ impl Playing {
         self.before = self.decision.map(|before| before.situation);
         self.decision = Some(*decision);
         self.touched = false;
-        if !self.seeks() {
+        if !self.is_seeking() {
             self.counts.explored[0] += 1;
             return;
         }
@@ -294,23 +297,23 @@ impl Playing {
         self.counts.shielded += u32::from(decision.allowed != decision.wanted);
     }
 
-    /// Finds out what is pursued when that has changed.
-    fn pursue(&mut self, event: &Happening) {
-        if !matches!(event, Happening::Seek(_) | Happening::Resume) {
+    /// Determines the goal after a change.
+    fn pursue(&mut self, event: &EventKind) {
+        if !matches!(event, EventKind::Seek(_) | EventKind::Resume) {
             return;
         }
-        let mind = self.retold.mind();
-        if let Mode::Seek { goal } = mind.state().mode() {
+        let controller = self.replayer.controller();
+        if let Mode::Seek { goal } = controller.state().mode() {
             let nest = self
                 .nest
                 .map_or([amp::fixed::Weight::ZERO; 16], |(nest, _)| nest);
-            let goal = Pursued::recognized(goal, mind.config(), &nest, mind.state());
+            let goal = ActiveGoal::recognize(goal, controller.config(), &nest, controller.state());
             self.goal = Some(goal);
         }
     }
 
-    fn compare(&mut self, logged: &Answer) {
-        if self.retold.compare(logged).is_some() {
+    fn compare(&mut self, logged: &AnswerRecord) {
+        if self.replayer.compare(logged).is_some() {
             self.differs();
         }
     }
@@ -318,21 +321,21 @@ impl Playing {
     fn differs(&mut self) {
         self.difference.get_or_insert_with(|| {
             format!(
-                "after {} decisions, at {:.1} s, this program's mind does not do what the log says",
+                "after {} decisions, at {:.1} s, this program's controller does not do what the log says",
                 self.decided, self.time_s
             )
         });
     }
 
-    fn stand(&mut self, pose: Pose) {
-        let way_m = pose.position.distance(self.heard_at.position);
-        // The first place is where it starts; what is farther than a step was carried.
+    fn set_pose(&mut self, pose: Pose) {
+        let way_m = pose.position.distance(self.scan_pose.position);
+        // The first pose is the start; a longer distance than a step was carried.
         let driven = self.start.is_some() && way_m < 0.6;
-        if driven && self.seeks() {
+        if driven && self.is_seeking() {
             self.distance_m += way_m;
-            self.coverage.sweep(self.heard_at.position, pose.position);
+            self.coverage.sweep(self.scan_pose.position, pose.position);
         }
-        (self.pose, self.heard_at) = (pose, pose);
+        (self.pose, self.scan_pose) = (pose, pose);
         if self.start.is_none() {
             self.start = Some(pose.position);
             self.scene_changes += 1;
@@ -343,46 +346,48 @@ impl Playing {
     }
 }
 
-impl Source for Recorded {
-    fn abilities(&self) -> Abilities {
-        Abilities {
+impl ViewSource for WatchedLog {
+    fn abilities(&self) -> Capabilities {
+        Capabilities {
             pace: true,
             save: true,
             jump: true,
-            ..Abilities::default()
+            ..Capabilities::default()
         }
     }
 
-    fn step(&mut self) -> Stepped {
+    fn step(&mut self) -> StepOutcome {
         if self.is_over() {
-            return Stepped::Standing;
+            return StepOutcome::Idle;
         }
-        let (decided, starts) = (self.playing.decided, self.playing.starts);
+        let (decided, starts) = (self.playback.decided, self.playback.starts);
         let learned = self.learns();
-        self.go_on();
-        let whole = self.playing.decided > decided;
+        self.advance();
+        let whole = self.playback.decided > decided;
         if whole || learned != self.learns() {
-            self.shown.knowing.forget_maps();
+            self.cache.knowledge.invalidate_maps();
         }
-        if starts != self.playing.starts {
-            self.shown.knowing.forget();
+        if starts != self.playback.starts {
+            self.cache.knowledge.invalidate();
         }
-        Stepped::Took {
-            took_s: self.playing.step_s,
+        StepOutcome::Took {
+            took_s: self.playback.step_s,
             whole,
         }
     }
 
-    fn carry_out(&mut self, order: &Order) -> Result<Done, Refused> {
-        let mind = self.playing.retold.mind();
-        match order {
-            Order::Jump { to } => self.jump(*to),
-            Order::SaveMind => return Ok(mind_file(mind.config(), mind.state())),
-            // Whoever may stop a robot may press the key here too.
-            Order::Stop => {}
+    fn execute(&mut self, command: &PageCommand) -> Result<CommandOutcome, CommandRefused> {
+        let controller = self.playback.replayer.controller();
+        match command {
+            PageCommand::Jump { to } => self.jump(*to),
+            PageCommand::SaveMind => {
+                return Ok(knowledge_file(controller.config(), controller.state()));
+            }
+            // Stop is allowed for all, so it is no error here.
+            PageCommand::Stop => {}
             _ => return Err("this is a recording: it cannot be steered".into()),
         }
-        Ok(Done::Well)
+        Ok(CommandOutcome::Done)
     }
 
     fn snapshot(&mut self) -> Snapshot {

@@ -1,9 +1,11 @@
-//! What of a recording is shown.
+//! Builds the snapshot of a log.
 
-use super::Recorded;
-use crate::seen::{meters, millimeters, plan_seen, pose_seen, ring, xy};
-use crate::snapshot::{Counts, Now, Part, Ring, Scene, Short, Showable, Snapshot, Xy};
-use crate::source::Source as _;
+use super::WatchedLog;
+use crate::dto::{meters, millimeters, plan_dto, pose_dto, ring, xy};
+use crate::snapshot::{
+    DriveCounts, LiveState, PartMessage, RingValues, Rounded, SceneDto, Snapshot, SnapshotPart, Xy,
+};
+use crate::source::ViewSource as _;
 use amp::config::PlannerKind;
 use amp::controller::{Decision, Mode};
 use amp::fixed::Weight;
@@ -12,57 +14,57 @@ use amp::units::{Displacement, Range};
 use arena::robot::COLLISION_RADIUS_M;
 use arena::sonar::{RingGeometry, SonarModel};
 use remote::log::Ending;
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 use std::sync::Arc;
 
-impl Recorded {
+impl WatchedLog {
     pub(super) fn parts(&mut self) -> Snapshot {
-        self.shown.revision += 1;
-        let revision = self.shown.revision;
-        let mut parts: Vec<Arc<dyn Showable>> = vec![self.scene(revision)];
-        let (mind, learns) = (self.playing.retold.mind(), self.learns());
-        let learned = learns || mind.state().has_learned();
-        let knowing = &mut self.shown.knowing;
-        parts.extend(knowing.parts(revision, mind.state(), mind.config(), learned));
-        let heard = self.playing.heard.parts();
+        self.cache.revision += 1;
+        let revision = self.cache.revision;
+        let mut parts: Vec<Arc<dyn PartMessage>> = vec![self.scene(revision)];
+        let (controller, learns) = (self.playback.replayer.controller(), self.learns());
+        let learned = learns || controller.state().has_learned();
+        let knowledge = &mut self.cache.knowledge;
+        parts.extend(knowledge.parts(revision, controller.state(), controller.config(), learned));
+        let heard = self.playback.echo_trail.parts();
         Snapshot {
             parts,
             now: Box::new(self.now()),
-            trail: self.tape.trail.parts().chain(heard).collect(),
+            trail: self.timeline.trail.parts().chain(heard).collect(),
             revision,
         }
     }
 
     pub(super) fn learns(&self) -> bool {
         matches!(
-            self.playing.retold.mind().state().mode(),
+            self.playback.replayer.controller().state().mode(),
             Mode::Learn { .. }
         )
     }
 
-    fn scene(&mut self, revision: u64) -> Arc<Part<Scene>> {
-        let changes = self.playing.scene_changes;
-        if let Some((_, scene)) = self.shown.scene.as_ref().filter(|(of, _)| *of == changes) {
+    fn scene(&mut self, revision: u64) -> Arc<SnapshotPart<SceneDto>> {
+        let changes = self.playback.scene_changes;
+        if let Some((_, scene)) = self.cache.scene.as_ref().filter(|(of, _)| *of == changes) {
             return Arc::clone(scene);
         }
-        let scene = Arc::new(Part::new("scene", 0, revision, self.scene_now()));
-        self.shown.scene = Some((changes, Arc::clone(&scene)));
+        let scene = Arc::new(SnapshotPart::new("scene", 0, revision, self.scene_now()));
+        self.cache.scene = Some((changes, Arc::clone(&scene)));
         scene
     }
 
-    fn scene_now(&self) -> Scene {
-        let (playing, setup) = (&self.playing, &self.playing.setup);
-        let config = playing.retold.mind().config();
-        let [low, high] = self.tape.bounds;
+    fn scene_now(&self) -> SceneDto {
+        let (playback, setup) = (&self.playback, &self.playback.setup);
+        let config = playback.replayer.controller().config();
+        let [low, high] = self.timeline.bounds;
         let sonar = setup.sonar.parse().unwrap_or(SonarModel::Nomad);
         let about = |name: &&str| [(*name).to_owned(), Behavior::about(name).to_owned()];
-        Scene {
+        SceneDto {
             world: setup.world.clone(),
             bounds: [xy(low), xy(high)],
-            shapes: playing.shapes.to_vec(),
-            start: xy(playing.start.unwrap_or_default()),
-            radii_m: [COLLISION_RADIUS_M, RingGeometry::default().face_radius_m].map(Short),
-            half_angle_rad: Short(sonar.config().half_angle_rad),
+            shapes: playback.shapes.to_vec(),
+            start: xy(playback.start.unwrap_or_default()),
+            radii_m: [COLLISION_RADIUS_M, RingGeometry::default().face_radius_m].map(Rounded),
+            half_angle_rad: Rounded(sonar.config().half_angle_rad),
             near_far_m: [config.encoding.near_mm, config.encoding.far_mm].map(millimeters),
             step_m: millimeters(config.robot.step_mm),
             seed: setup.seed.to_string(),
@@ -79,11 +81,11 @@ impl Recorded {
         }
     }
 
-    fn now(&self) -> Now {
-        let playing = &self.playing;
-        let mind = playing.retold.mind();
-        let (config, state) = (mind.config(), mind.state());
-        let decision = playing.decision;
+    fn now(&self) -> LiveState {
+        let playback = &self.playback;
+        let controller = playback.replayer.controller();
+        let (config, state) = (controller.config(), controller.state());
+        let decision = playback.decision;
         let plan = decision.and_then(|decision| decision.plan);
         let moved = |way: fn(&Decision<16>) -> Displacement| {
             decision
@@ -92,72 +94,72 @@ impl Recorded {
         };
         let perceived = || {
             let range = |range: Option<f64>| range.map(|m| Range::from_mm((m * 1e3) as u16));
-            playing.ranges_m.map(|m| config.encoding.value(range(m)))
+            playback.ranges_m.map(|m| config.encoding.value(range(m)))
         };
         let situation = decision.map_or_else(perceived, |decision| decision.situation);
-        let nest = playing.nest.map_or([Weight::ZERO; 16], |(nest, _)| nest);
-        let place = playing
+        let nest = playback.nest.map_or([Weight::ZERO; 16], |(nest, _)| nest);
+        let place = playback
             .nest
-            .map_or(playing.pose.position, |(_, place)| place);
-        let goal = playing.goal.as_ref();
+            .map_or(playback.pose.position, |(_, place)| place);
+        let goal = playback.goal.as_ref();
         let (mode, done) = self.mode();
-        let piece = playing.starts.checked_sub(1);
-        let piece = piece.and_then(|start| self.tape.starts.get(start).copied());
-        Now {
-            time_s: Short(playing.time_s),
-            step_s: Short(playing.step_s),
-            pose: pose_seen(playing.pose),
-            heard_at: pose_seen(playing.heard_at),
+        let piece = playback.starts.checked_sub(1);
+        let piece = piece.and_then(|start| self.timeline.starts.get(start).copied());
+        LiveState {
+            time_s: Rounded(playback.time_s),
+            step_s: Rounded(playback.step_s),
+            pose: pose_dto(playback.pose),
+            heard_at: pose_dto(playback.scan_pose),
             mode,
-            why: playing.difference.clone(),
+            why: playback.difference.clone(),
             note: self.note(),
             resumes: false,
-            done: Short(done),
-            ranges_m: playing.ranges_m.map(|range| range.map(Short)),
-            on: std::array::from_fn(|sensor| mind.enabled().contains(sensor)),
+            done: Rounded(done),
+            ranges_m: playback.ranges_m.map(|range| range.map(Rounded)),
+            on: std::array::from_fn(|sensor| controller.enabled().contains(sensor)),
             situation: ring(&situation),
             changed: self.changed(),
-            plan: plan.map(|plan| plan_seen(&plan, state)),
+            plan: plan.map(|plan| plan_dto(&plan, state)),
             wanted_m: moved(|decision| decision.wanted),
             allowed_m: moved(|decision| decision.allowed),
-            touched: playing.touched,
-            goal: goal.map_or_else(Default::default, |goal| goal.seen(config, &nest, place)),
-            counts: Counts {
-                distance_m: Short(playing.distance_m),
-                coverage_m2: Some(Short(playing.coverage.area_m2())),
-                ..playing.counts.clone()
+            touched: playback.touched,
+            goal: goal.map_or_else(Default::default, |goal| goal.to_dto(config, &nest, place)),
+            counts: DriveCounts {
+                distance_m: Rounded(playback.distance_m),
+                coverage_m2: Some(Rounded(playback.coverage.area_m2())),
+                ..playback.counts.clone()
             },
             shield: config.shield.is_some(),
             online: config.online.is_some(),
-            leader: playing.leader.map(xy),
+            leader: playback.leader.map(xy),
             link: None,
             pace: Default::default(),
-            trail: [piece.unwrap_or(0), self.tape.trail.ends()[1]],
-            at: Some(playing.decided),
-            heard: playing.heard.ends(),
+            trail: [piece.unwrap_or(0), self.timeline.trail.ends()[1]],
+            at: Some(playback.decided),
+            heard: playback.echo_trail.ends(),
         }
     }
 
     fn note(&self) -> Option<String> {
-        let over = self.is_over() && self.playing.difference.is_none();
-        over.then(|| match &self.tape.ending {
+        let over = self.is_over() && self.playback.difference.is_none();
+        over.then(|| match &self.timeline.ending {
             Ending::Complete => "The recording ends here".to_owned(),
             ending => format!("The recording ends here, {ending}"),
         })
     }
 
-    fn changed(&self) -> Option<Ring> {
+    fn changed(&self) -> Option<RingValues> {
         let (now, before) = (
-            self.playing.decision.as_ref()?,
-            self.playing.before.as_ref()?,
+            self.playback.decision.as_ref()?,
+            self.playback.before.as_ref()?,
         );
         Some(ring(&difference(&now.situation, before)))
     }
 
-    /// What the robot does, and how much of it is done.
+    /// The mode, and its progress.
     fn mode(&self) -> (&'static str, f64) {
-        let moves = f64::from(self.playing.setup.explore_moves.max(1));
-        match self.playing.retold.mind().state().mode() {
+        let moves = f64::from(self.playback.setup.explore_moves.max(1));
+        match self.playback.replayer.controller().state().mode() {
             Mode::Idle => ("idle", 0.0),
             Mode::Explore { left } => ("explore", 1.0 - f64::from(*left) / moves),
             Mode::Learn { .. } => ("learn", 0.5),

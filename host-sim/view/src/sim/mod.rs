@@ -1,55 +1,57 @@
-//! The simulator as a source: a body in a world that can be changed, and a mind here or elsewhere.
+//! Shows the simulator: a body in a world that can be changed, and a local or remote controller.
 //!
-//! Events come to the mind as in an [episode](sim::episode): with the same seed, exploring, learning and seeking one
-//! after the other bring the same decisions. Time passes only while the robot does something.
+//! The controller receives the same events as in an [episode](sim::episode), so the same seed gives
+//! the same decisions. Time advances only while the robot does something.
 
-mod orders;
+mod commands;
 mod parts;
 
-use super::goal::Pursued;
-use super::order::{Done, Order};
-use super::seen::Knowing;
-use super::snapshot::{Part, Scene, Snapshot};
-use super::source::{Abilities, Refused, Source, Stepped};
-use super::trail::{Trail, mark};
+use super::command::{CommandOutcome, PageCommand};
+use super::dto::KnowledgeParts;
+use super::goal::ActiveGoal;
+use super::history::{History, mark};
+use super::snapshot::{SceneDto, Snapshot, SnapshotPart};
+use super::source::{Capabilities, CommandRefused, StepOutcome, ViewSource};
 use amp::config::Config;
 use amp::controller::{Command, Decision, Event};
 use amp::scan::Situation;
 use arena::robot::TurretMode;
 use arena::world::{Point, Pose, World};
 use files::error::BadInput;
-use remote::link::{AnyMind, MindPlace};
-use remote::log::{Log, LogOutput, LoggedMind, Setup as SetupRecord, SharedLog, Watcher};
-use sim::episode::{Body, Metrics, Observer as _, Seeds, Setup, StepResult, Stride, milliseconds};
-use sim::failure::Failure;
+use remote::link::{AnyController, ControllerPlace};
+use remote::log::{LogOutput, LogWriter, LoggedController, SetupRecord, SharedLog, WorldLogger};
+use sim::episode::{
+    Body, Metrics, Observer as _, Seeds, Setup, StepFlags, StepResult, milliseconds,
+};
+use sim::error::EpisodeError;
 use sim::pilot::Pilot as _;
 use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Ticks of learning that are one step of the view, and how long it is made to seem, seconds.
+/// Ticks of learning per step of the view, and the simulated duration of such a step, seconds.
 const LEARNING: (u32, f64) = (50, 0.04);
 
-/// Rings without a decision before the mind counts as silent.
-const PATIENCE: f64 = 100.0;
+/// Rings without a decision after which the controller counts as silent.
+const MAX_SILENT_RINGS: f64 = 100.0;
 
-/// What a simulation is made of.
+/// The initial settings of a simulation.
 #[derive(Debug, Clone)]
-pub struct Start {
+pub struct SimulatorStart {
     /// The world.
     pub world: World,
-    /// How the user named it.
+    /// Its name as given by the user.
     pub named: String,
-    /// Everything else.
+    /// All other settings.
     pub setup: Setup,
-    /// The configuration with shield and learning while behaving as they are when switched on.
+    /// The configuration with shield and online learning switched on.
     pub whole: Config<16>,
-    /// What a new start may be made with instead.
+    /// Presets for a restart.
     pub presets: Vec<PresetChoice>,
 }
 
-impl Start {
-    /// What a log says about it.
+impl SimulatorStart {
+    /// The settings as a log records them.
     fn record(&self) -> SetupRecord {
         SetupRecord::of(&self.named, &self.setup)
     }
@@ -60,15 +62,15 @@ impl Start {
 pub struct PresetChoice {
     /// Its name.
     pub name: &'static str,
-    /// Its open choices.
+    /// Its configuration.
     pub config: Config<16>,
-    /// What its ring does while the base steers.
+    /// Its turret mode.
     pub turret: TurretMode,
 }
 
 /// What the robot does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Doing {
+enum SimulatorActivity {
     Idle,
     Explore,
     Learn,
@@ -78,29 +80,29 @@ enum Doing {
 
 /// A simulated robot.
 pub struct Simulator {
-    start: Start,
-    /// As it is now.
+    start: SimulatorStart,
+    /// The current configuration.
     config: Config<16>,
     body: Body<'static>,
-    mind: LoggedMind,
-    /// Writes down where the robot really is.
-    watcher: Option<Watcher<LogOutput>>,
-    doing: Doing,
-    /// What a stop interrupted.
-    interrupted: Doing,
-    /// Why nothing can go on.
+    controller: LoggedController,
+    /// Logs the true state of the world.
+    watcher: Option<WorldLogger<LogOutput>>,
+    activity: SimulatorActivity,
+    /// The activity that a stop interrupted.
+    interrupted: SimulatorActivity,
+    /// Why the simulation cannot continue.
     failure: Option<String>,
-    /// What there is to say besides.
+    /// A remark for the page.
     note: Option<String>,
-    goal: Pursued,
-    /// What was perceived before the first move, and where.
+    goal: ActiveGoal,
+    /// Situation and place before the first move.
     nest: Option<(Situation<16>, Point)>,
     decision: Option<Decision<16>>,
-    /// The situation before the latest one.
+    /// The situation before the latest decision.
     before: Option<Situation<16>>,
-    /// What the ring heard, and where it was then.
+    /// Latest ranges, and the ring's pose at that time.
     ranges_m: [Option<f64>; 16],
-    heard_at: Pose,
+    scan_pose: Pose,
     learned: bool,
     learning: u32,
     touched: bool,
@@ -109,46 +111,51 @@ pub struct Simulator {
     explorations: u64,
     explored: Metrics,
     seeking: Metrics,
-    open: Option<Stride>,
-    trail: Trail,
-    shown: Shown,
+    open: Option<StepFlags>,
+    trail: History,
+    cache: SimulatorCache,
 }
 
-/// Parts that were made already, and how often anything has changed.
+/// Parts of the latest snapshot, and the number of snapshots.
 #[derive(Default)]
-struct Shown {
+struct SimulatorCache {
     revision: u64,
-    scene: Option<Arc<Part<Scene>>>,
-    knowing: Knowing,
+    scene: Option<Arc<SnapshotPart<SceneDto>>>,
+    knowledge: KnowledgeParts,
 }
 
 impl Simulator {
-    /// A robot at its world's start, with a mind that knows nothing; everything goes into a new file `log`, if one is named.
+    /// A robot at its world's start, with a controller without knowledge; logs into a new file
+    /// `log`.
     ///
     /// # Errors
-    /// When the mind cannot be reached, or the file cannot be written.
-    pub fn new(start: Start, place: MindPlace, log: Option<&Path>) -> Result<Self, BadInput> {
-        let mind = AnyMind::new(&start.setup.config, place)?;
-        let log = log.map(Log::create).transpose()?;
-        let mut mind = LoggedMind::new(mind, log.map(SharedLog::new));
-        mind.begin(&start.record(), Some(&start.world));
-        Ok(Self::with_mind(start, mind))
+    /// When the controller cannot be reached or the file cannot be written.
+    pub fn new(
+        start: SimulatorStart,
+        place: ControllerPlace,
+        log: Option<&Path>,
+    ) -> Result<Self, BadInput> {
+        let controller = AnyController::new(&start.setup.config, place)?;
+        let log = log.map(LogWriter::create).transpose()?;
+        let mut controller = LoggedController::new(controller, log.map(SharedLog::new));
+        controller.begin(&start.record(), Some(&start.world));
+        Ok(Self::with_controller(start, controller))
     }
 
-    fn with_mind(start: Start, mind: LoggedMind) -> Self {
+    fn with_controller(start: SimulatorStart, controller: LoggedController) -> Self {
         let (setup, world) = (&start.setup, &start.world);
         let noise = Seeds::of(setup.seed).noise;
         let world = Cow::Owned(world.clone());
         let body = Body::within(world, setup.sonar, setup.turret, noise).with_faults(&setup.faults);
-        let goal = Pursued::behavior(&setup.behavior);
+        let goal = ActiveGoal::behavior(&setup.behavior);
         let ranges_m = body.look();
-        let watcher = mind.log().cloned().map(Watcher::new);
+        let watcher = controller.log().cloned().map(WorldLogger::new);
         Self {
             config: setup.config.clone(),
-            mind,
+            controller,
             watcher,
-            doing: Doing::Idle,
-            interrupted: Doing::Idle,
+            activity: SimulatorActivity::Idle,
+            interrupted: SimulatorActivity::Idle,
             failure: None,
             note: None,
             goal,
@@ -156,7 +163,7 @@ impl Simulator {
             decision: None,
             before: None,
             ranges_m,
-            heard_at: body.pose(),
+            scan_pose: body.pose(),
             learned: false,
             learning: 0,
             touched: false,
@@ -166,26 +173,28 @@ impl Simulator {
             explored: Metrics::new(&start.world),
             seeking: Metrics::new(&start.world),
             open: None,
-            trail: Trail::latest(),
-            shown: Shown::default(),
+            trail: History::latest(),
+            cache: SimulatorCache::default(),
             body,
             start,
         }
     }
 
-    fn command(&mut self, command: Command<16>) -> Result<(), Refused> {
-        let outputs = self.mind.handle(self.body.now(), Event::Command(command));
-        let refused = outputs.refusal.map(Failure::Refused);
-        self.check_mind();
+    fn command(&mut self, command: Command<16>) -> Result<(), CommandRefused> {
+        let outputs = self
+            .controller
+            .handle(self.body.now(), Event::Command(command));
+        let refused = outputs.refusal.map(EpisodeError::Refused);
+        self.check_controller();
         match refused {
             Some(why) => Err(why.into()),
             None => self.failure.clone().map_or(Ok(()), |why| Err(why.into())),
         }
     }
 
-    /// Notices that the mind cannot go on.
-    fn check_mind(&mut self) {
-        if let Some(failure) = self.mind.failure() {
+    /// Stops after a failure of the controller.
+    fn check_controller(&mut self) {
+        if let Some(failure) = self.controller.failure() {
             self.fail(failure.to_string());
         }
     }
@@ -195,91 +204,100 @@ impl Simulator {
         self.failure = Some(why);
     }
 
-    fn learn(&mut self) -> Stepped {
+    fn learn(&mut self) -> StepOutcome {
         let (ticks, took_s) = LEARNING;
         let now = self.body.now();
         let mut whole = false;
         for _ in 0..ticks {
             self.learning += 1;
-            whole = self.mind.handle(now, Event::Tick).mode_changed;
-            self.check_mind();
+            whole = self.controller.handle(now, Event::Tick).mode_changed;
+            self.check_controller();
             if whole || self.failure.is_some() {
                 break;
             }
         }
         if whole {
-            (self.doing, self.learned) = (Doing::Idle, true);
+            (self.activity, self.learned) = (SimulatorActivity::Idle, true);
         }
-        self.shown.knowing.forget_maps();
-        self.mind.pilot().forget_known(whole);
-        Stepped::Took { took_s, whole }
+        self.cache.knowledge.invalidate_maps();
+        self.controller.pilot().invalidate_cache(whole);
+        StepOutcome::Took { took_s, whole }
     }
 
-    fn drive(&mut self) -> Stepped {
+    fn drive(&mut self) -> StepOutcome {
         let began_s = self.body.time_s();
-        let happened = self.body.advance(&mut self.mind);
+        let result = self.body.advance(&mut self.controller);
         if let Some(watcher) = &mut self.watcher {
-            let at = milliseconds(happened.time_s);
-            watcher.happened(at, &happened, &self.body);
+            let at = milliseconds(result.time_s);
+            watcher.on_step(at, &result, &self.body);
         }
-        self.check_mind();
-        (self.ranges_m, self.heard_at) = (*self.body.ranges_m(), happened.pose);
+        self.check_controller();
+        (self.ranges_m, self.scan_pose) = (*self.body.ranges_m(), result.pose);
         self.step_s = self.body.time_s() - began_s;
-        let whole = happened.decision.is_some() || happened.mode_changed;
+        let whole = result.decision.is_some() || result.mode_changed;
         if whole {
             self.close();
             self.last_decision_s = self.body.time_s();
         }
-        if let Some(reason) = happened.stopped {
-            self.interrupted = std::mem::replace(&mut self.doing, Doing::Stopped);
-            self.note = Some(Failure::Stopped(reason).to_string());
-        } else if happened.mode_changed && self.doing == Doing::Explore {
-            self.doing = Doing::Idle;
-            self.mind.pilot().forget_known(true);
+        if let Some(reason) = result.stopped {
+            self.interrupted = std::mem::replace(&mut self.activity, SimulatorActivity::Stopped);
+            self.note = Some(EpisodeError::Stopped(reason).to_string());
+        } else if result.mode_changed && self.activity == SimulatorActivity::Explore {
+            self.activity = SimulatorActivity::Idle;
+            self.controller.pilot().invalidate_cache(true);
         }
-        if let Some(decision) = &happened.decision {
-            self.open(decision, &happened);
+        if let Some(decision) = &result.decision {
+            self.open(decision, &result);
         }
-        self.follow(&happened);
+        self.follow(&result);
         if whole {
-            self.go_on();
+            self.advance_goal();
         }
-        let silent = self.body.time_s() - self.last_decision_s > PATIENCE * self.body.ring_s();
-        if silent && matches!(self.doing, Doing::Explore | Doing::Seek) {
-            self.fail(Failure::Silent.to_string());
-        }
-        Stepped::Took {
+        self.check_silence();
+        StepOutcome::Took {
             took_s: self.step_s,
             whole,
         }
     }
 
-    fn open(&mut self, decision: &Decision<16>, happened: &StepResult) {
+    /// Fails if the controller should decide and has not done so for several rings.
+    fn check_silence(&mut self) {
+        let silent_s = self.body.time_s() - self.last_decision_s;
+        let deciding = matches!(
+            self.activity,
+            SimulatorActivity::Explore | SimulatorActivity::Seek
+        );
+        if deciding && silent_s > MAX_SILENT_RINGS * self.body.ring_s() {
+            self.fail(EpisodeError::Silent.to_string());
+        }
+    }
+
+    fn open(&mut self, decision: &Decision<16>, result: &StepResult) {
         if self.nest.is_none() {
-            self.nest = Some((decision.situation, happened.pose.position));
+            self.nest = Some((decision.situation, result.pose.position));
         }
         self.before = self.decision.map(|before| before.situation);
         self.decision = Some(*decision);
         self.touched = false;
-        self.open = Some(Stride {
+        self.open = Some(StepFlags {
             at_goal: decision.at_goal,
             shielded: decision.allowed != decision.wanted,
             touched: false,
             touched_by: false,
         });
-        self.mind.pilot().forget_known(false);
-        if self.doing == Doing::Seek && self.config.online.is_some() {
-            self.shown.knowing.forget_maps();
+        self.controller.pilot().invalidate_cache(false);
+        if self.activity == SimulatorActivity::Seek && self.config.online.is_some() {
+            self.cache.knowledge.invalidate_maps();
         }
     }
 
-    /// Goes on to the next part of a chain when the present one is reached; after the last it stands.
-    fn go_on(&mut self) {
-        if self.doing != Doing::Seek || self.failure.is_some() {
+    /// Starts the next part of a chain when the current one is reached; stops after the last.
+    fn advance_goal(&mut self) {
+        if self.activity != SimulatorActivity::Seek || self.failure.is_some() {
             return;
         }
         let (steps, held) = (self.seeking.steps, self.seeking.goal_steps);
-        let done = match self.goal.go_on(steps, held) {
+        let done = match self.goal.advance(steps, held) {
             None => return,
             Some(true) => self.pursue(),
             Some(false) => {
@@ -292,71 +310,74 @@ impl Simulator {
         }
     }
 
-    fn tally(&mut self) -> &mut Metrics {
-        match self.doing {
-            Doing::Explore => &mut self.explored,
+    fn metrics(&mut self) -> &mut Metrics {
+        match self.activity {
+            SimulatorActivity::Explore => &mut self.explored,
             _ => &mut self.seeking,
         }
     }
 
-    fn follow(&mut self, happened: &StepResult) {
-        let Some(moved) = &happened.moved else { return };
-        self.tally()
+    fn follow(&mut self, result: &StepResult) {
+        let Some(moved) = &result.moved else { return };
+        self.metrics()
             .moved(moved.from, moved.to, moved.traveled_m, moved.clearance_m);
         self.touched |= moved.touched;
         if let Some(open) = &mut self.open {
             open.touched |= moved.touched;
-            open.shielded |= happened.shortened;
+            open.shielded |= result.shortened;
         }
     }
 
-    /// The step under way has ended.
+    /// Ends the current step.
     fn close(&mut self) {
-        let Some(stride) = self.open.take() else {
+        let Some(flags) = self.open.take() else {
             return;
         };
-        self.tally().step(stride);
+        self.metrics().step(flags);
         let neuron = self.decision.and_then(|decision| decision.plan);
         let neuron = neuron.map(|plan| usize::from(plan.current_neuron));
         let nearest = self.ranges_m.iter().flatten().copied().reduce(f64::min);
         let place = self.body.pose().position;
-        let seeks = self.doing == Doing::Seek;
+        let seeking = self.activity == SimulatorActivity::Seek;
         let time_s = self.body.time_s();
-        let mark = mark(time_s, place, seeks, stride, neuron, nearest);
+        let mark = mark(time_s, place, seeking, flags, neuron, nearest);
         self.trail.push(mark);
     }
 
     /// Whether the robot does something or still rolls.
     fn is_busy(&self) -> bool {
-        let driven = matches!(self.doing, Doing::Explore | Doing::Seek);
+        let driven = matches!(
+            self.activity,
+            SimulatorActivity::Explore | SimulatorActivity::Seek
+        );
         self.failure.is_none() && (driven || self.body.is_moving())
     }
 }
 
-impl Source for Simulator {
-    fn abilities(&self) -> Abilities {
-        Abilities {
+impl ViewSource for Simulator {
+    fn abilities(&self) -> Capabilities {
+        Capabilities {
             drive: true,
             pace: true,
             carry: true,
             reset: true,
             configure: true,
             save: true,
-            load: self.mind.inner().is_here(),
-            ..Abilities::default()
+            load: self.controller.inner().is_local(),
+            ..Capabilities::default()
         }
     }
 
-    fn step(&mut self) -> Stepped {
-        match self.doing {
-            Doing::Learn if self.failure.is_none() => self.learn(),
+    fn step(&mut self) -> StepOutcome {
+        match self.activity {
+            SimulatorActivity::Learn if self.failure.is_none() => self.learn(),
             _ if self.is_busy() => self.drive(),
-            _ => Stepped::Standing,
+            _ => StepOutcome::Idle,
         }
     }
 
-    fn carry_out(&mut self, order: &Order) -> Result<Done, Refused> {
-        self.obey(order)
+    fn execute(&mut self, command: &PageCommand) -> Result<CommandOutcome, CommandRefused> {
+        self.execute_command(command)
     }
 
     fn snapshot(&mut self) -> Snapshot {
@@ -364,7 +385,7 @@ impl Source for Simulator {
     }
 
     fn end(&mut self) -> Result<(), String> {
-        self.mind.log().map_or(Ok(()), SharedLog::finish)
+        self.controller.log().map_or(Ok(()), SharedLog::finish)
     }
 }
 

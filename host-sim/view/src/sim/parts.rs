@@ -1,26 +1,28 @@
-//! What of a simulation is shown.
+//! Builds the snapshot of the simulator.
 
-use super::{Doing, Simulator};
-use crate::seen::{meters, millimeters, plan_seen, pose_seen, ring, shape_seen, xy};
-use crate::snapshot::{Counts, Now, Part, Ring, Scene, Short, Showable, Snapshot, Xy};
-use crate::source::Source as _;
+use super::{Simulator, SimulatorActivity};
+use crate::dto::{meters, millimeters, plan_dto, pose_dto, ring, shape_dto, xy};
+use crate::snapshot::{
+    DriveCounts, LiveState, PartMessage, RingValues, Rounded, SceneDto, Snapshot, SnapshotPart, Xy,
+};
+use crate::source::ViewSource as _;
 use amp::config::PlannerKind;
 use amp::planner::difference;
 use amp::units::Displacement;
 use arena::robot::COLLISION_RADIUS_M;
 use arena::sonar::RingGeometry;
 use arena::world::World;
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 use std::sync::Arc;
 
 impl Simulator {
     pub(super) fn parts(&mut self) -> Snapshot {
-        self.shown.revision += 1;
-        let revision = self.shown.revision;
-        if let Err(failure) = self.mind.pilot().known() {
+        self.cache.revision += 1;
+        let revision = self.cache.revision;
+        if let Err(failure) = self.controller.pilot().cached_state() {
             self.fail(failure.to_string());
         }
-        let mut parts: Vec<Arc<dyn Showable>> = vec![self.scene(revision)];
+        let mut parts: Vec<Arc<dyn PartMessage>> = vec![self.scene(revision)];
         parts.extend(self.maps_and_memory(revision));
         Snapshot {
             parts,
@@ -30,36 +32,41 @@ impl Simulator {
         }
     }
 
-    fn scene(&mut self, revision: u64) -> Arc<Part<Scene>> {
-        if let Some(scene) = &self.shown.scene {
+    fn scene(&mut self, revision: u64) -> Arc<SnapshotPart<SceneDto>> {
+        if let Some(scene) = &self.cache.scene {
             return Arc::clone(scene);
         }
-        let scene = Arc::new(Part::new("scene", 0, revision, scene(self)));
-        self.shown.scene = Some(Arc::clone(&scene));
+        let scene = Arc::new(SnapshotPart::new("scene", 0, revision, scene(self)));
+        self.cache.scene = Some(Arc::clone(&scene));
         scene
     }
 
-    fn maps_and_memory(&mut self, revision: u64) -> Vec<Arc<dyn Showable>> {
-        let learned = self.learned || self.doing == Doing::Learn;
-        let Ok(known) = self.mind.pilot().known() else {
+    fn maps_and_memory(&mut self, revision: u64) -> Vec<Arc<dyn PartMessage>> {
+        let learned = self.learned || self.activity == SimulatorActivity::Learn;
+        let Ok(known) = self.controller.pilot().cached_state() else {
             return Vec::new();
         };
         let parts = self
-            .shown
-            .knowing
+            .cache
+            .knowledge
             .parts(revision, known, &self.config, learned);
         parts.into()
     }
 
-    fn now(&mut self) -> Now {
+    fn now(&mut self) -> LiveState {
         let pose = self.body.pose();
-        let (situation, ranges_m, heard_at) = match (&self.decision, self.is_busy()) {
-            (Some(decision), true) => (decision.situation, self.ranges_m, self.heard_at),
+        let (situation, ranges_m, scan_pose) = match (&self.decision, self.is_busy()) {
+            (Some(decision), true) => (decision.situation, self.ranges_m, self.scan_pose),
             _ => (self.perceived(), self.body.look(), pose),
         };
         let decision = self.decision;
         let plan = decision.and_then(|decision| decision.plan);
-        let plan = plan.and_then(|plan| Some(plan_seen(&plan, self.mind.pilot().known().ok()?)));
+        let plan = plan.and_then(|plan| {
+            Some(plan_dto(
+                &plan,
+                self.controller.pilot().cached_state().ok()?,
+            ))
+        });
         let (mode, done) = self.mode();
         let nest = self.nest();
         let start = self.nest.map_or(pose.position, |(_, place)| place);
@@ -68,30 +75,31 @@ impl Simulator {
                 .as_ref()
                 .map_or(Xy::default(), |decision| meters(way(decision)))
         };
-        Now {
-            time_s: Short(self.body.time_s()),
-            step_s: Short(self.step_s),
-            pose: pose_seen(pose),
-            heard_at: pose_seen(heard_at),
+        LiveState {
+            time_s: Rounded(self.body.time_s()),
+            step_s: Rounded(self.step_s),
+            pose: pose_dto(pose),
+            heard_at: pose_dto(scan_pose),
             mode,
             why: self.failure.clone(),
             note: self.note.clone(),
-            resumes: self.doing == Doing::Stopped && self.interrupted != Doing::Idle,
-            done: Short(done),
-            ranges_m: ranges_m.map(|range| range.map(Short)),
-            on: std::array::from_fn(|sensor| self.mind.inner().enabled().contains(sensor)),
+            resumes: self.activity == SimulatorActivity::Stopped
+                && self.interrupted != SimulatorActivity::Idle,
+            done: Rounded(done),
+            ranges_m: ranges_m.map(|range| range.map(Rounded)),
+            on: std::array::from_fn(|sensor| self.controller.inner().enabled().contains(sensor)),
             situation: ring(&situation),
             changed: self.changed(),
             plan,
             wanted_m: moved(|decision| decision.wanted),
             allowed_m: moved(|decision| decision.allowed),
             touched: self.touched,
-            goal: self.goal.seen(&self.config, &nest, start),
+            goal: self.goal.to_dto(&self.config, &nest, start),
             counts: self.counts(),
             shield: self.config.shield.is_some(),
             online: self.config.online.is_some(),
             leader: self.body.leader().map(xy),
-            link: (!self.mind.inner().is_here()).then(|| self.mind.inner().name()),
+            link: (!self.controller.inner().is_local()).then(|| self.controller.inner().name()),
             pace: Default::default(),
             trail: self.trail.ends(),
             at: None,
@@ -99,48 +107,48 @@ impl Simulator {
         }
     }
 
-    fn changed(&self) -> Option<Ring> {
+    fn changed(&self) -> Option<RingValues> {
         let (now, before) = (self.decision.as_ref()?, self.before.as_ref()?);
         Some(ring(&difference(&now.situation, before)))
     }
 
-    /// What the robot does, and how much of it is done.
+    /// The mode, and its progress.
     fn mode(&self) -> (&'static str, f64) {
         let moves = f64::from(self.start.setup.explore_moves);
-        match self.doing {
+        match self.activity {
             _ if self.failure.is_some() => ("failed", 0.0),
-            Doing::Idle => ("idle", 0.0),
-            Doing::Explore => ("explore", f64::from(self.explored.steps) / moves),
-            Doing::Learn => ("learn", f64::from(self.learning) / learning_ticks(self)),
-            Doing::Seek => ("seek", 0.0),
-            Doing::Stopped => ("stopped", 0.0),
+            SimulatorActivity::Idle => ("idle", 0.0),
+            SimulatorActivity::Explore => ("explore", f64::from(self.explored.steps) / moves),
+            SimulatorActivity::Learn => ("learn", f64::from(self.learning) / learning_ticks(self)),
+            SimulatorActivity::Seek => ("seek", 0.0),
+            SimulatorActivity::Stopped => ("stopped", 0.0),
         }
     }
 
-    fn counts(&self) -> Counts {
+    fn counts(&self) -> DriveCounts {
         let (explored, seeking) = (&self.explored, &self.seeking);
-        Counts {
+        DriveCounts {
             explored: [explored.steps, explored.contacts],
             steps: seeking.steps,
             contacts: seeking.contacts,
             shielded: seeking.shield_stops,
             at_goal: seeking.goal_steps,
-            distance_m: Short(seeking.distance_m),
-            clearance_m: seeking.min_clearance_m.map(Short),
-            coverage_m2: Some(Short(seeking.coverage_m2())),
+            distance_m: Rounded(seeking.distance_m),
+            clearance_m: seeking.min_clearance_m.map(Rounded),
+            coverage_m2: Some(Rounded(seeking.coverage_m2())),
         }
     }
 }
 
-/// About how many ticks learning takes.
+/// Approximate number of ticks that learning takes.
 fn learning_ticks(simulator: &Simulator) -> f64 {
     let learning = &simulator.config.learning;
-    let samples = simulator.shown.knowing.samples().max(1) as f64;
+    let samples = simulator.cache.knowledge.samples().max(1) as f64;
     let presentations = f64::from(learning.epochs) * samples;
     (presentations / f64::from(learning.slice.max(1))).max(1.0)
 }
 
-fn scene(simulator: &Simulator) -> Scene {
+fn scene(simulator: &Simulator) -> SceneDto {
     let (world, setup) = (simulator.body.world(), &simulator.start.setup);
     let config = &simulator.config;
     let (low, high) = world.bounds();
@@ -152,13 +160,13 @@ fn scene(simulator: &Simulator) -> Scene {
     if !worlds.contains(&simulator.start.named) {
         worlds.push(simulator.start.named.clone());
     }
-    Scene {
+    SceneDto {
         world: simulator.start.named.clone(),
         bounds: [xy(low), xy(high)],
-        shapes: world.shapes().iter().map(shape_seen).collect(),
+        shapes: world.shapes().iter().map(shape_dto).collect(),
         start: xy(world.start().position),
-        radii_m: [COLLISION_RADIUS_M, RingGeometry::default().face_radius_m].map(Short),
-        half_angle_rad: Short(setup.sonar.config().half_angle_rad),
+        radii_m: [COLLISION_RADIUS_M, RingGeometry::default().face_radius_m].map(Rounded),
+        half_angle_rad: Rounded(setup.sonar.config().half_angle_rad),
         near_far_m: [config.encoding.near_mm, config.encoding.far_mm].map(millimeters),
         step_m: millimeters(config.robot.step_mm),
         seed: setup.seed.to_string(),
@@ -166,7 +174,7 @@ fn scene(simulator: &Simulator) -> Scene {
         sonar: setup.sonar.name().to_owned(),
         turret: setup.turret.name().to_owned(),
         moves: setup.explore_moves,
-        mind: simulator.mind.inner().name(),
+        mind: simulator.controller.inner().name(),
         recalls: config.planning.planner == PlannerKind::Recall,
         abilities: simulator.abilities(),
         behaviors: Behavior::NAMES.iter().map(|name| about(name)).collect(),

@@ -1,14 +1,14 @@
 use super::*;
-use crate::order::Reset;
+use crate::command::Reset;
 use arena::sonar::SonarModel;
-use remote::link::{Local, Session};
+use remote::link::{InProcessNode, Session};
+use sim::behavior::Behavior;
 use sim::episode;
-use sim::pilot::Mind;
-use sim::scenes::Behavior;
+use sim::pilot::LocalController;
 
-fn start(sonar: SonarModel) -> Start {
+fn start(sonar: SonarModel) -> SimulatorStart {
     let config = Config::recommended();
-    Start {
+    SimulatorStart {
         world: World::builtin("room").unwrap(),
         named: "room".to_owned(),
         setup: Setup {
@@ -34,29 +34,29 @@ fn start(sonar: SonarModel) -> Start {
 }
 
 fn simulator(sonar: SonarModel) -> Simulator {
-    Simulator::new(start(sonar), MindPlace::Host, None).unwrap()
+    Simulator::new(start(sonar), ControllerPlace::Host, None).unwrap()
 }
 
 fn rest(simulator: &mut Simulator) {
-    while simulator.step() != Stepped::Standing {}
+    while simulator.step() != StepOutcome::Idle {}
 }
 
 fn educate(simulator: &mut Simulator) {
-    for order in [Order::Explore, Order::Learn] {
-        simulator.carry_out(&order).unwrap();
+    for command in [PageCommand::Explore, PageCommand::Learn] {
+        simulator.execute(&command).unwrap();
         rest(simulator);
     }
 }
 
-/// Lets it decide so often; the places where each decision was taken.
+/// Runs for `count` decisions; returns the place of each.
 fn decide(simulator: &mut Simulator, count: usize) -> Vec<Point> {
     let mut places = Vec::new();
     while places.len() < count {
         let before = simulator.body.pose().position;
         match simulator.step() {
-            Stepped::Took { whole: true, .. } => places.push(before),
-            Stepped::Took { .. } => {}
-            Stepped::Standing => panic!("it stands: {:?}", simulator.failure),
+            StepOutcome::Took { whole: true, .. } => places.push(before),
+            StepOutcome::Took { .. } => {}
+            StepOutcome::Idle => panic!("it stands: {:?}", simulator.failure),
         }
     }
     places
@@ -66,20 +66,21 @@ fn decide(simulator: &mut Simulator, count: usize) -> Vec<Point> {
 fn it_decides_as_in_an_episode_whoever_watches() {
     for sonar in [SonarModel::Ideal, SonarModel::Nomad] {
         let start = start(sonar);
-        let mut mind = Mind::new(start.setup.config.clone());
-        let run = episode::run_with(&start.world, &start.setup, &mut mind, |_, _, _| {}).unwrap();
+        let mut controller = LocalController::new(start.setup.config.clone());
+        let run =
+            episode::run_with(&start.world, &start.setup, &mut controller, |_, _, _| {}).unwrap();
         let recorded = run.recording.unwrap().seeking;
         for watched in [false, true] {
             let mut simulator = simulator(sonar);
-            simulator.carry_out(&Order::Explore).unwrap();
-            while simulator.step() != Stepped::Standing {
+            simulator.execute(&PageCommand::Explore).unwrap();
+            while simulator.step() != StepOutcome::Idle {
                 if watched {
                     let _ = simulator.snapshot().into_parts();
                 }
             }
-            simulator.carry_out(&Order::Learn).unwrap();
+            simulator.execute(&PageCommand::Learn).unwrap();
             rest(&mut simulator);
-            simulator.carry_out(&Order::Seek).unwrap();
+            simulator.execute(&PageCommand::Seek).unwrap();
             let mut places = Vec::new();
             for _ in 0..recorded.len() {
                 places.extend(decide(&mut simulator, 1));
@@ -96,79 +97,79 @@ fn it_decides_as_in_an_episode_whoever_watches() {
 #[test]
 fn a_stop_stands_and_can_be_gone_on_from() {
     let mut simulator = simulator(SonarModel::Nomad);
-    simulator.carry_out(&Order::Explore).unwrap();
+    simulator.execute(&PageCommand::Explore).unwrap();
     decide(&mut simulator, 5);
-    simulator.carry_out(&Order::Stop).unwrap();
+    simulator.execute(&PageCommand::Stop).unwrap();
     rest(&mut simulator);
     let stood = simulator.body.pose();
-    assert_eq!(simulator.step(), Stepped::Standing);
+    assert_eq!(simulator.step(), StepOutcome::Idle);
     assert_eq!(simulator.body.pose(), stood);
     assert!(simulator.snapshot().now.resumes);
-    simulator.carry_out(&Order::Resume).unwrap();
+    simulator.execute(&PageCommand::Resume).unwrap();
     rest(&mut simulator);
-    // The move a stop interrupted leaves no sample and is made again.
+    // The interrupted move leaves no sample and is repeated.
     let samples = simulator
-        .mind
+        .controller
         .pilot()
-        .known()
+        .cached_state()
         .unwrap()
         .memory()
         .samples()
         .len();
-    assert_eq!((samples, simulator.doing), (40, Doing::Idle));
+    assert_eq!((samples, simulator.activity), (40, SimulatorActivity::Idle));
 }
 
 #[test]
 fn what_makes_no_sense_is_refused_and_changes_nothing() {
     let mut simulator = simulator(SonarModel::Ideal);
-    for order in [
-        Order::Learn,
-        Order::Seek,
-        Order::Resume,
-        Order::GoalNeuron { neuron: 3 },
-        Order::SaveGoal,
-        Order::Behavior {
+    for command in [
+        PageCommand::Learn,
+        PageCommand::Seek,
+        PageCommand::Resume,
+        PageCommand::GoalNeuron { neuron: 3 },
+        PageCommand::SaveGoal,
+        PageCommand::Behavior {
             name: "seek:/etc/passwd".to_owned(),
         },
-        Order::LoadMind {
+        PageCommand::LoadMind {
             hex: "00".to_owned(),
         },
-        Order::GoalFile {
+        PageCommand::GoalFile {
             text: "situation = [1]".to_owned(),
         },
-        Order::Sonar {
+        PageCommand::Sonar {
             number: 16,
             on: true,
         },
-        Order::MoveRobot { x: 99.0, y: 0.0 },
-        Order::MoveRobot {
+        PageCommand::MoveRobot { x: 99.0, y: 0.0 },
+        PageCommand::MoveRobot {
             x: f64::NAN,
             y: 0.0,
         },
-        Order::MoveShape {
+        PageCommand::MoveShape {
             shape: 999,
             x: 0.0,
             y: 0.0,
         },
-        Order::Reset(Reset {
+        PageCommand::Reset(Reset {
             world: Some("/etc/hostname".to_owned()),
             ..Reset::default()
         }),
     ] {
-        let refused = simulator.carry_out(&order);
-        assert!(refused.is_err(), "{order:?}");
-        assert_eq!(simulator.doing, Doing::Idle, "{order:?}");
-        assert_eq!(simulator.step(), Stepped::Standing, "{order:?}");
+        let refused = simulator.execute(&command);
+        assert!(refused.is_err(), "{command:?}");
+        assert_eq!(simulator.activity, SimulatorActivity::Idle, "{command:?}");
+        assert_eq!(simulator.step(), StepOutcome::Idle, "{command:?}");
     }
     for number in 0..15 {
-        let off = Order::Sonar { number, on: false };
-        simulator.carry_out(&off).unwrap();
+        let off = PageCommand::Sonar { number, on: false };
+        simulator.execute(&off).unwrap();
     }
-    let last = Order::Sonar {
+    let last = PageCommand::Sonar {
         number: 15,
         on: false,
     };
-    assert!(simulator.carry_out(&last).is_err());
+    assert!(simulator.execute(&last).is_err());
 }
 
 #[test]
@@ -176,26 +177,26 @@ fn a_neuron_and_a_place_become_goals() {
     let mut simulator = simulator(SonarModel::Ideal);
     educate(&mut simulator);
     simulator
-        .carry_out(&Order::GoalNeuron { neuron: 5 })
+        .execute(&PageCommand::GoalNeuron { neuron: 5 })
         .unwrap();
-    simulator.carry_out(&Order::Seek).unwrap();
+    simulator.execute(&PageCommand::Seek).unwrap();
     decide(&mut simulator, 3);
     let goal = simulator.snapshot().now.goal;
     assert_eq!((goal.neuron, goal.name.as_str()), (Some(5), "neuron N6"));
-    // Captured here, sought from elsewhere: it comes back.
-    simulator.carry_out(&Order::Stop).unwrap();
+    // Captured here and pursued from elsewhere: the robot returns.
+    simulator.execute(&PageCommand::Stop).unwrap();
     let here = simulator.body.pose().position;
-    simulator.carry_out(&Order::GoalHere).unwrap();
-    let Ok(Done::File(file)) = simulator.carry_out(&Order::SaveGoal) else {
+    simulator.execute(&PageCommand::GoalHere).unwrap();
+    let Ok(CommandOutcome::File(file)) = simulator.execute(&PageCommand::SaveGoal) else {
         panic!("no file");
     };
     assert!(file.text.unwrap().contains("situation"));
     let way = Point::new(0.0, 0.0) - here;
     let to = here + way * (0.8 / way.length());
     simulator
-        .carry_out(&Order::MoveRobot { x: to.x, y: to.y })
+        .execute(&PageCommand::MoveRobot { x: to.x, y: to.y })
         .unwrap();
-    simulator.carry_out(&Order::Seek).unwrap();
+    simulator.execute(&PageCommand::Seek).unwrap();
     decide(&mut simulator, 60);
     let off = simulator.body.pose().position.distance(here);
     assert!(off < 0.3, "{off} m away");
@@ -205,7 +206,7 @@ fn a_neuron_and_a_place_become_goals() {
 fn an_obstacle_is_met_where_it_was_put_and_never_on_the_robot() {
     let mut start = start(SonarModel::Ideal);
     start.world = World::random(4);
-    let mut simulator = Simulator::new(start, MindPlace::Host, None).unwrap();
+    let mut simulator = Simulator::new(start, ControllerPlace::Host, None).unwrap();
     let robot = simulator.body.pose().position;
     let shapes = simulator.body.world().shapes();
     let index = shapes
@@ -213,19 +214,19 @@ fn an_obstacle_is_met_where_it_was_put_and_never_on_the_robot() {
         .position(|shape| matches!(shape, arena::world::Shape::Box { .. }));
     let shape = index.expect("a box");
     let before = simulator.body.look();
-    let on_it = Order::MoveShape {
+    let on_it = PageCommand::MoveShape {
         shape,
         x: robot.x,
         y: robot.y,
     };
-    assert!(simulator.carry_out(&on_it).is_err());
+    assert!(simulator.execute(&on_it).is_err());
     assert_eq!(simulator.body.look(), before);
-    let ahead = Order::MoveShape {
+    let ahead = PageCommand::MoveShape {
         shape,
         x: robot.x + 0.9,
         y: robot.y,
     };
-    simulator.carry_out(&ahead).unwrap();
+    simulator.execute(&ahead).unwrap();
     let range = simulator.body.look()[0].unwrap();
     assert!(range < 0.6, "{range} m");
 }
@@ -234,24 +235,24 @@ fn an_obstacle_is_met_where_it_was_put_and_never_on_the_robot() {
 fn a_mind_comes_back_from_its_file() {
     let mut one = simulator(SonarModel::Ideal);
     educate(&mut one);
-    let Ok(Done::File(file)) = one.carry_out(&Order::SaveMind) else {
+    let Ok(CommandOutcome::File(file)) = one.execute(&PageCommand::SaveMind) else {
         panic!("no file");
     };
     let hex = file.hex.unwrap();
     let mut other = simulator(SonarModel::Ideal);
     other
-        .carry_out(&Order::LoadMind { hex: hex.clone() })
+        .execute(&PageCommand::LoadMind { hex: hex.clone() })
         .unwrap();
-    let Ok(Done::File(again)) = other.carry_out(&Order::SaveMind) else {
+    let Ok(CommandOutcome::File(again)) = other.execute(&PageCommand::SaveMind) else {
         panic!("no file");
     };
-    // Randomness goes on from what was saved: another seed, and so another checksum; nothing else.
+    // The generator continues after saving: only seed and checksum differ.
     let again = again.hex.unwrap();
     assert_eq!(again.len(), hex.len());
     let bytes = again.as_bytes().chunks(2).zip(hex.as_bytes().chunks(2));
     let different = bytes.filter(|(one, other)| one != other).count();
     assert!(different <= 8 + 4, "{different} bytes are not the same");
-    other.carry_out(&Order::Seek).unwrap();
+    other.execute(&PageCommand::Seek).unwrap();
     decide(&mut other, 5);
 }
 
@@ -264,13 +265,13 @@ fn a_new_start_is_one_with_another_seed_and_preset() {
         preset: Some("touzet".to_owned()),
         world: Some("random:4".to_owned()),
     };
-    simulator.carry_out(&Order::Reset(reset)).unwrap();
+    simulator.execute(&PageCommand::Reset(reset)).unwrap();
     let setup = &simulator.start.setup;
     assert_eq!((setup.seed, setup.turret), (9, TurretMode::Follow));
     assert_eq!(simulator.start.named, "random:4");
-    assert!(simulator.carry_out(&Order::Seek).is_err());
+    assert!(simulator.execute(&PageCommand::Seek).is_err());
     educate(&mut simulator);
-    simulator.carry_out(&Order::Seek).unwrap();
+    simulator.execute(&PageCommand::Seek).unwrap();
     decide(&mut simulator, 5);
 }
 
@@ -280,19 +281,19 @@ fn a_mind_at_the_end_of_a_link_decides_the_same() {
     for remote in [false, true] {
         let start = start(SonarModel::Ideal);
         let place = if remote {
-            let local = Local::new(start.setup.config.clone());
-            MindPlace::Link(Box::new(Session::new(local)), "local".to_owned())
+            let local = InProcessNode::new(start.setup.config.clone());
+            ControllerPlace::Link(Box::new(Session::new(local)), "local".to_owned())
         } else {
-            MindPlace::Host
+            ControllerPlace::Host
         };
         let mut simulator = Simulator::new(start, place, None).unwrap();
         educate(&mut simulator);
-        simulator.carry_out(&Order::Seek).unwrap();
+        simulator.execute(&PageCommand::Seek).unwrap();
         places.push(decide(&mut simulator, 20));
-        simulator.carry_out(&Order::Stop).unwrap();
-        let shield = Order::Shield { on: false };
-        simulator.carry_out(&shield).unwrap();
-        simulator.carry_out(&Order::Resume).unwrap();
+        simulator.execute(&PageCommand::Stop).unwrap();
+        let shield = PageCommand::Shield { on: false };
+        simulator.execute(&shield).unwrap();
+        simulator.execute(&PageCommand::Resume).unwrap();
         places.push(decide(&mut simulator, 5));
     }
     assert_eq!(places[..2], places[2..]);
@@ -302,24 +303,24 @@ fn a_mind_at_the_end_of_a_link_decides_the_same() {
 fn a_chain_is_pursued_to_its_last_goal_and_can_be_gone_on_with() {
     let mut simulator = simulator(SonarModel::Ideal);
     educate(&mut simulator);
-    let chain = |name: &str| Order::Behavior {
+    let chain = |name: &str| PageCommand::Behavior {
         name: name.to_owned(),
     };
-    let unknown = simulator.carry_out(&chain("avoid,seek:/etc/passwd"));
+    let unknown = simulator.execute(&chain("avoid,seek:/etc/passwd"));
     assert!(unknown.is_err());
-    simulator.carry_out(&chain("avoid,avoid")).unwrap();
-    simulator.carry_out(&Order::Seek).unwrap();
+    simulator.execute(&chain("avoid,avoid")).unwrap();
+    simulator.execute(&PageCommand::Seek).unwrap();
     let mut parts = std::collections::BTreeSet::new();
-    while simulator.step() != Stepped::Standing {
+    while simulator.step() != StepOutcome::Idle {
         parts.insert(simulator.snapshot().now.goal.part);
     }
     assert_eq!(parts.into_iter().collect::<Vec<_>>(), [Some(0), Some(1)]);
     let now = simulator.snapshot().now;
     assert_eq!(now.mode, "stopped");
     assert!(now.note.unwrap().contains("the last goal is reached"));
-    // Each part is over when its goal has held in twenty decisions.
+    // Each part ends when its goal has held in twenty decisions.
     assert!(simulator.seeking.goal_steps >= 40);
-    simulator.carry_out(&Order::Resume).unwrap();
+    simulator.execute(&PageCommand::Resume).unwrap();
     decide(&mut simulator, 5);
     assert_eq!(simulator.snapshot().now.note, None);
 }
@@ -329,38 +330,38 @@ fn a_log_with_several_starts_plays_from_one_to_the_next() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
     let start = start(SonarModel::Ideal);
-    let mut simulator = Simulator::new(start, MindPlace::Host, Some(&path)).unwrap();
+    let mut simulator = Simulator::new(start, ControllerPlace::Host, Some(&path)).unwrap();
     educate(&mut simulator);
-    simulator.carry_out(&Order::Seek).unwrap();
+    simulator.execute(&PageCommand::Seek).unwrap();
     decide(&mut simulator, 30);
-    let to = Order::MoveRobot { x: 0.3, y: 0.0 };
-    simulator.carry_out(&to).unwrap();
+    let to = PageCommand::MoveRobot { x: 0.3, y: 0.0 };
+    simulator.execute(&to).unwrap();
     decide(&mut simulator, 30);
-    let knew = simulator.carry_out(&Order::SaveMind).unwrap();
+    let knew = simulator.execute(&PageCommand::SaveMind).unwrap();
     let reset = Reset {
         seed: Some(9),
         world: Some("random:4".to_owned()),
         ..Reset::default()
     };
-    simulator.carry_out(&Order::Reset(reset)).unwrap();
+    simulator.execute(&PageCommand::Reset(reset)).unwrap();
     educate(&mut simulator);
-    let knows = simulator.carry_out(&Order::SaveMind).unwrap();
+    let knows = simulator.execute(&PageCommand::SaveMind).unwrap();
     let place = simulator.snapshot().now.pose;
     simulator.end().unwrap();
 
     let log = remote::log::read(&path).unwrap();
-    let mut recorded = crate::Recorded::new(&log).unwrap();
-    while recorded.step() != Stepped::Standing {}
+    let mut recorded = crate::WatchedLog::new(&log).unwrap();
+    while recorded.step() != StepOutcome::Idle {}
     let now = recorded.snapshot().now;
     assert_eq!((now.why, now.mode, now.trail[0]), (None, "idle", 2));
-    // Decisions: 40 moves twice, and what was sought in between.
+    // 40 moves twice, and the decisions in between.
     assert_eq!(now.at, Some(140));
-    assert_eq!(recorded.carry_out(&Order::SaveMind), Ok(knows));
+    assert_eq!(recorded.execute(&PageCommand::SaveMind), Ok(knows));
     let off = (0..3).map(|axis| (now.pose[axis].0 - place[axis].0).abs());
     assert!(off.fold(0.0, f64::max) < 1e-6, "{:?}", now.pose);
-    // Back over the start, to where the first mind had taken its last decision.
-    recorded.carry_out(&Order::Jump { to: 100 }).unwrap();
+    // Back across the restart, to the last decision of the first start.
+    recorded.execute(&PageCommand::Jump { to: 100 }).unwrap();
     let now = recorded.snapshot().now;
     assert_eq!((now.mode, now.at, now.trail[0]), ("seek", Some(100), 0));
-    assert_eq!(recorded.carry_out(&Order::SaveMind), Ok(knew));
+    assert_eq!(recorded.execute(&PageCommand::SaveMind), Ok(knew));
 }

@@ -6,7 +6,7 @@ use crate::paper::any_ring::Count;
 use crate::paper::gaps::Gaps;
 use crate::paper::goal_switch::GoalSwitches;
 use crate::paper::measure::{FEWER_MOVES, Measured, SceneResult};
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 use sim::statistics::mean;
 use sim::statistics::{Mean, bootstrap};
 

@@ -94,7 +94,7 @@ fn nobody_else_adds_meanwhile() {
 
 #[test]
 fn a_row_holds_the_reports_fields_as_json_writes_them() {
-    let report = Report {
+    let report = EpisodeReport {
         world: "a \"b\",\nc".into(),
         behavior: "avoid,nest".into(),
         preset: "default".into(),
@@ -119,7 +119,7 @@ fn a_row_holds_the_reports_fields_as_json_writes_them() {
     assert_eq!(fields.iter().take(3).collect::<Vec<_>>(), ["5", "1.5", ""]);
     let json = serde_json::to_string(&report).expect("JSON");
     let mut place = 0;
-    for (name, field) in Report::FIELDS.iter().zip(fields.iter().skip(3)) {
+    for (name, field) in EpisodeReport::FIELDS.iter().zip(fields.iter().skip(3)) {
         let value: serde_json::Value = serde_json::from_str(&json).expect("JSON");
         let value = value.get(*name).expect(name);
         assert_eq!(
@@ -131,6 +131,6 @@ fn a_row_holds_the_reports_fields_as_json_writes_them() {
         assert!(at >= place, "{name} is out of order");
         place = at;
     }
-    assert_eq!(fields.len(), 3 + Report::FIELDS.len());
-    assert_eq!(json.matches("\":").count(), Report::FIELDS.len());
+    assert_eq!(fields.len(), 3 + EpisodeReport::FIELDS.len());
+    assert_eq!(json.matches("\":").count(), EpisodeReport::FIELDS.len());
 }

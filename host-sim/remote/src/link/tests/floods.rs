@@ -1,21 +1,21 @@
-//! Peers that never stop sending sound frames.
+//! Peers that never stop sending valid frames.
 
 use super::opened;
-use crate::link::{Flood, LinkError, Local, Patience, Session};
+use crate::link::{Flood, InProcessNode, LinkError, RetryPolicy, Session};
 use amp::config::Config;
 use amp::wire::message::{Clock, Counters, FromMind};
 use amp::wire::{Frame, Header, Report, ToMind};
 use std::time::{Duration, Instant};
 
-const PATIENCE: Patience = Patience {
-    attempt: Duration::from_millis(50),
+const RETRY: RetryPolicy = RetryPolicy {
+    timeout: Duration::from_millis(50),
     attempts: 3,
 };
 
-/// All attempts, and half a second for a busy machine.
+/// All attempts, plus half a second for a busy machine.
 const MOST: Duration = Duration::from_millis(650);
 
-/// Sound frames of a session, one after the other; each number is `step` more than the one before.
+/// Valid frames of a session; each number is `step` more than the one before.
 pub(in crate::link) fn frames(session: u16, step: u16) -> impl FnMut() -> Vec<u8> + Send {
     let mut seq = 0_u16;
     move || {
@@ -29,20 +29,20 @@ pub(in crate::link) fn frames(session: u16, step: u16) -> impl FnMut() -> Vec<u8
     }
 }
 
-/// An open session, number 1, whose mind has given way to somebody who sends these frames without end.
+/// An open session 1 whose controller is replaced by a sender of these frames.
 fn flooded(session: u16, step: u16) -> Session {
-    let mut open = opened(Local::new(Config::recommended()));
+    let mut open = opened(InProcessNode::new(Config::recommended()));
     open.transport = Box::new(Flood::of(frames(session, step)));
-    open.set_patience(PATIENCE);
+    open.set_retry_policy(RETRY);
     open
 }
 
-/// Frames of another session, the same one of this session again and again, and new ones of this session.
+/// Frames of another session, a repeated one of this session, and new ones of this session.
 const FLOODS: [(u16, u16); 3] = [(9, 1), (1, 0), (1, 1)];
 
 #[test]
 fn no_wait_outlasts_its_attempts_however_much_is_sent() {
-    let waited = PATIENCE.whole();
+    let waited = RETRY.whole();
     let silent = Some(LinkError::Silent { waited });
     for (session, step) in FLOODS {
         let name = format!("session {session}, step {step}");
@@ -57,12 +57,12 @@ fn no_wait_outlasts_its_attempts_however_much_is_sent() {
         assert_eq!(opening, silent, "{name}");
         let request = end(|session| session.request(&ToMind::Counters).err());
         assert_eq!(request, silent, "{name}");
-        let asking = end(|session| session.ask(&ToMind::Counters).err());
+        let asking = end(|session| session.query(&ToMind::Counters).err());
         assert_eq!(asking, silent, "{name}");
         let counting = end(|session| session.counters().err());
         assert_eq!(counting, silent, "{name}");
         let listening = end(|session| {
-            let until = Instant::now() + PATIENCE.whole();
+            let until = Instant::now() + RETRY.whole();
             loop {
                 match session.next_report(until) {
                     Ok(Some(_)) => {}

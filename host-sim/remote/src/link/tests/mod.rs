@@ -1,4 +1,4 @@
-//! Episodes and sessions with a node in this process, over good lines and bad ones.
+//! Episodes and sessions with a node in this process, over good and bad transports.
 
 use super::*;
 use amp::config::Config;
@@ -9,10 +9,10 @@ use amp::wire::message::{Clock, Order, Part, Refusal};
 use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::World;
+use sim::behavior::Behavior;
 use sim::episode::{Episode, Setup, run, run_with};
-use sim::failure::Failure;
-use sim::pilot::{HeardEcho, Mind, Pilot as _};
-use sim::scenes::Behavior;
+use sim::error::EpisodeError;
+use sim::pilot::{HeardEcho, LocalController, Pilot as _};
 use sim::settings;
 use std::io;
 use std::sync::Arc;
@@ -42,10 +42,11 @@ fn here(world: &World, setup: &Setup) -> Episode {
     run(world, setup, |_, _, _| {}).unwrap()
 }
 
-fn there(session: &mut Session, world: &World, setup: &Setup) -> Result<Episode, Failure> {
+fn there(session: &mut Session, world: &World, setup: &Setup) -> Result<Episode, EpisodeError> {
     let number = session.number() + 1;
-    let mut mind = RemoteMind::start(session, number, &setup.config).map_err(Failure::from)?;
-    run_with(world, setup, &mut mind, |_, _, _| {})
+    let mut controller =
+        RemoteController::start(session, number, &setup.config).map_err(EpisodeError::from)?;
+    run_with(world, setup, &mut controller, |_, _, _| {})
 }
 
 fn assert_same(there: &Episode, here: &Episode) {
@@ -58,7 +59,7 @@ fn assert_same(there: &Episode, here: &Episode) {
 }
 
 fn local() -> Session {
-    Session::new(Local::new(Config::recommended()))
+    Session::new(InProcessNode::new(Config::recommended()))
 }
 
 fn opened(transport: impl Transport + 'static) -> Session {
@@ -100,7 +101,7 @@ fn what_a_mind_had_before_is_named_and_gone() {
     let mut session = local();
     let setup = setup(SonarModel::Ideal, 30, 10);
     let replaced = |session: &mut Session, number, config: &Config<16>| {
-        RemoteMind::start(session, number, config)
+        RemoteController::start(session, number, config)
             .unwrap()
             .replaced()
     };
@@ -120,9 +121,9 @@ fn knowledge_goes_from_one_mind_to_another_through_a_file() {
     let (world, setup) = (World::random(1), setup(SonarModel::Ideal, 100, 10));
     let mut teacher = local();
     there(&mut teacher, &world, &setup).unwrap();
-    // Standing still in a new session.
+    // At rest in a new session.
     let hello = teacher.open(500, Clock::Device).unwrap();
-    let knowledge = Knowledge::pull(&mut teacher).unwrap();
+    let knowledge = Knowledge::download(&mut teacher).unwrap();
     assert_eq!(knowledge.fingerprint(), Fingerprint::from(&hello));
     assert_eq!(knowledge.samples(), 100);
     assert_eq!(*knowledge.config(), setup.config);
@@ -133,20 +134,20 @@ fn knowledge_goes_from_one_mind_to_another_through_a_file() {
     let read = Knowledge::load(&path).unwrap();
     assert_eq!(read, knowledge);
 
-    let mut pupil = opened(Local::new(Config::touzet()));
-    read.push(&mut pupil).unwrap();
-    assert_eq!(Knowledge::pull(&mut pupil).unwrap(), knowledge);
+    let mut pupil = opened(InProcessNode::new(Config::touzet()));
+    read.upload(&mut pupil).unwrap();
+    assert_eq!(Knowledge::download(&mut pupil).unwrap(), knowledge);
     // It has learned.
-    pupil.order(0, Order::Seek).unwrap();
+    pupil.command(0, Order::Seek).unwrap();
     let refused = Err(LinkError::Refused(Refusal::Moving));
-    assert_eq!(Knowledge::pull(&mut pupil), refused);
-    assert_eq!(read.push(&mut pupil).map(|()| knowledge), refused);
+    assert_eq!(Knowledge::download(&mut pupil), refused);
+    assert_eq!(read.upload(&mut pupil).map(|()| knowledge), refused);
 }
 
 #[test]
 fn a_damaged_file_is_refused() {
-    let mut session = opened(Local::new(Config::recommended()));
-    let sound = Knowledge::pull(&mut session).unwrap().to_bytes();
+    let mut session = opened(InProcessNode::new(Config::recommended()));
+    let sound = Knowledge::download(&mut session).unwrap().to_bytes();
     assert!(Knowledge::from_bytes(&sound).is_ok());
     for index in 0..sound.len() {
         let mut file = sound.clone();
@@ -165,12 +166,12 @@ fn refusals_come_through() {
     let hundred_and_one = setup(SonarModel::Ideal, 101, 1);
     let failure = there(&mut session, &World::random(1), &hundred_and_one).err();
     let most = Refused::Moves { most: 100 };
-    assert_eq!(failure, Some(Failure::Refused(most)));
+    assert_eq!(failure, Some(EpisodeError::Refused(most)));
     let refused = |error: LinkError| match error {
         LinkError::Refused(why) => why,
         other => panic!("{other}"),
     };
-    let learn = session.order(0, Order::Learn).map_err(refused);
+    let learn = session.command(0, Order::Learn).map_err(refused);
     assert_eq!(learn, Err(Refusal::Command(Refused::NoSamples)));
     let near = session
         .parameter(Parameter::Near, Some(-1))
@@ -185,7 +186,7 @@ fn refusals_come_through() {
 fn frames_lost_on_the_way_there_change_nothing() {
     let world = World::random(6);
     for (every, sonar) in [(2, SonarModel::Ideal), (3, SonarModel::Nomad)] {
-        let line = Lossy::new(Local::new(Config::recommended()), every, 0);
+        let line = Lossy::new(InProcessNode::new(Config::recommended()), every, 0);
         let setup = setup(sonar, 20, 20);
         let remote = there(&mut Session::new(line), &world, &setup).unwrap();
         assert_same(&remote, &here(&world, &setup));
@@ -201,7 +202,7 @@ fn frames_lost_on_the_way_back_are_said_again() {
         (0, 50, SonarModel::Ideal),
         (9, 5, SonarModel::Ideal),
     ] {
-        let line = Lossy::new(Local::new(Config::recommended()), out, back);
+        let line = Lossy::new(InProcessNode::new(Config::recommended()), out, back);
         let setup = setup(sonar, 20, 20);
         let remote = there(&mut Session::new(line), &world, &setup).unwrap();
         assert_same(&remote, &here(&world, &setup));
@@ -211,20 +212,20 @@ fn frames_lost_on_the_way_back_are_said_again() {
 #[test]
 fn reading_and_writing_bear_losses_both_ways() {
     for (out, back) in [(3, 0), (0, 3), (5, 4), (4, 7)] {
-        let line = Lossy::new(Local::new(Config::recommended()), out, back);
+        let line = Lossy::new(InProcessNode::new(Config::recommended()), out, back);
         let mut session = opened(line);
         let set = session.parameter(Parameter::Far, Some(1_500));
         assert_eq!(set.map(|(value, _)| value), Ok(1_500));
-        let knowledge = Knowledge::pull(&mut session).unwrap();
+        let knowledge = Knowledge::download(&mut session).unwrap();
         assert_eq!(knowledge.config().encoding.far_mm, 1_500);
-        assert_eq!(knowledge.push(&mut session), Ok(()), "{out} {back}");
+        assert_eq!(knowledge.upload(&mut session), Ok(()), "{out} {back}");
         assert!(session.counters().unwrap().accepted > 20);
     }
 }
 
 #[test]
 fn the_same_over_a_socket_in_real_time() {
-    let served = Served::start(Config::recommended()).unwrap();
+    let served = NodeServer::start(Config::recommended()).unwrap();
     let mut session = Session::new(Tcp::open(&served.host()).unwrap());
     let (world, setup) = (World::random(1), setup(SonarModel::Ideal, 20, 20));
     let remote = there(&mut session, &world, &setup).unwrap();
@@ -236,16 +237,16 @@ fn the_same_over_a_socket_in_real_time() {
     assert!(began.elapsed() < Duration::from_secs(1));
 }
 
-/// A mind here and one at the end of a link are told the same: what each brings about has to be the same.
-struct Both {
-    here: Mind,
-    there: RemoteMind<Session>,
-    /// How often anything has been sent there.
+/// Sends the same events to a local and a remote controller and compares their outputs.
+struct LocalAndRemote {
+    here: LocalController,
+    there: RemoteController<Session>,
+    /// Number of sends to the remote controller.
     sent: Arc<AtomicU32>,
 }
 
-/// Counts what is sent.
-struct Counted(Local, Arc<AtomicU32>);
+/// Counts the sends.
+struct Counted(InProcessNode, Arc<AtomicU32>);
 
 impl Transport for Counted {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
@@ -253,18 +254,18 @@ impl Transport for Counted {
         self.0.send(bytes)
     }
 
-    fn receive(&mut self, buffer: &mut [u8], patience: Duration) -> io::Result<usize> {
-        self.0.receive(buffer, patience)
+    fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
+        self.0.receive(buffer, timeout)
     }
 }
 
-impl Both {
+impl LocalAndRemote {
     fn exploring() -> Self {
         let (config, sent) = (Config::recommended(), Arc::default());
-        let line = Counted(Local::new(config.clone()), Arc::clone(&sent));
+        let line = Counted(InProcessNode::new(config.clone()), Arc::clone(&sent));
         let mut both = Self {
-            there: RemoteMind::start(Session::new(line), 1, &config).unwrap(),
-            here: Mind::new(config),
+            there: RemoteController::start(Session::new(line), 1, &config).unwrap(),
+            here: LocalController::new(config),
             sent,
         };
         both.tell(0, Event::Command(Command::Explore { moves: 5, seed: 12 }));
@@ -279,7 +280,7 @@ impl Both {
         outputs
     }
 
-    /// The whole ring, so old; whether it brings about a decision.
+    /// Sends a whole ring of this age; returns whether it caused a decision.
     fn ring(&mut self, at_ms: u32, age_ms: u32) -> bool {
         let at = Millis::from_ms(at_ms);
         let echoes: [_; 16] = std::array::from_fn(|sensor| HeardEcho {
@@ -303,7 +304,7 @@ impl Both {
 
 #[test]
 fn an_echo_is_as_old_there_as_here() {
-    let mut both = Both::exploring();
+    let mut both = LocalAndRemote::exploring();
     assert!(both.ring(640, 0));
     let ended = Event::Odometry {
         motion: 1,
@@ -323,18 +324,18 @@ fn an_echo_is_as_old_there_as_here() {
 
 #[test]
 fn time_passes_there_without_a_frame_for_each_tick() {
-    let mut both = Both::exploring();
+    let mut both = LocalAndRemote::exploring();
     let before = both.sent();
     for at_ms in (10..=1_280).step_by(10) {
         assert_eq!(both.tell(at_ms, Event::Tick), Outputs::NONE);
     }
     // One in 150 ms.
     assert_eq!(both.sent() - before, 8);
-    // Two ring periods after the beginning.
+    // Two ring periods after the start.
     let late = Millis::from_ms(1_430);
     let stopped = both.here.handle(late, Event::Tick).stopped;
     assert_eq!(stopped, Some(StopReason::RingIncomplete));
     assert_eq!(both.there.handle(late, Event::Tick), Outputs::NONE);
     let failed = LinkError::Stopped(StopReason::RingIncomplete);
-    assert_eq!(both.there.failure(), Some(Failure::from(failed)));
+    assert_eq!(both.there.failure(), Some(EpisodeError::from(failed)));
 }

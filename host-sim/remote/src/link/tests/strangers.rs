@@ -1,7 +1,7 @@
-//! Nobody, somebody else, and somebody who starts anew at the other end.
+//! Missing, incompatible and restarted controllers.
 
 use super::opened;
-use crate::link::{LinkError, Local, Session, Silent, Transport};
+use crate::link::{InProcessNode, LinkError, Session, Silent, Transport};
 use amp::config::Config;
 use amp::parameters::Parameter;
 use amp::robot::RobotSpec;
@@ -23,7 +23,7 @@ fn nobody_at_the_other_end_is_said_after_two_seconds() {
     assert!(error.to_string().starts_with("no answer within 2 s"));
 }
 
-/// Somebody whose hello, or whose refusal of ours, is another.
+/// A controller of other dimensions; it may also refuse ours.
 struct Stranger<T> {
     inner: T,
     dimensions: Dimensions,
@@ -35,10 +35,10 @@ impl<T: Transport> Transport for Stranger<T> {
         self.inner.send(bytes)
     }
 
-    fn receive(&mut self, buffer: &mut [u8], patience: Duration) -> io::Result<usize> {
+    fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
         let mut one = [0];
         let mut bytes = Vec::new();
-        while self.inner.receive(&mut one, patience)? > 0 && one != [0] {
+        while self.inner.receive(&mut one, timeout)? > 0 && one != [0] {
             bytes.push(one[0]);
         }
         let Ok((header, mut report)) = frame::unpack::<Report<16>>(&bytes) else {
@@ -85,7 +85,7 @@ fn another_protocol_on_either_side_is_told_in_a_sentence() {
         (cousin, "from the same version"),
     ] {
         for refuses in [false, true] {
-            let inner = Local::<16>::new(Config::recommended());
+            let inner = InProcessNode::<16>::new(Config::recommended());
             let line = Stranger {
                 inner,
                 dimensions,
@@ -118,47 +118,51 @@ fn robot_of_eight() -> Config<8> {
 
 #[test]
 fn the_mind_of_another_robot_is_refused() {
-    let error = Session::new(Local::new(robot_of_eight()))
+    let error = Session::new(InProcessNode::new(robot_of_eight()))
         .open(1, Clock::Host)
         .unwrap_err();
     let sentence = error.to_string();
     assert!(sentence.contains("8 sonars and 16 neurons"), "{sentence}");
 }
 
-/// A node that somebody else can reset.
+/// A node that a test can reset.
 #[derive(Clone)]
-struct Shared(Arc<Mutex<Local>>);
+struct SharedNode(Arc<Mutex<InProcessNode>>);
 
-impl Transport for Shared {
+impl Transport for SharedNode {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.0.lock().unwrap().send(bytes)
     }
 
-    fn receive(&mut self, buffer: &mut [u8], patience: Duration) -> io::Result<usize> {
-        self.0.lock().unwrap().receive(buffer, patience)
+    fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
+        self.0.lock().unwrap().receive(buffer, timeout)
     }
 }
 
 #[test]
 fn a_mind_that_starts_anew_is_noticed_and_found_again() {
-    let shared = Shared(Arc::new(Mutex::new(Local::new(Config::recommended()))));
+    let shared = SharedNode(Arc::new(Mutex::new(InProcessNode::new(
+        Config::recommended(),
+    ))));
     let mut session = opened(shared.clone());
     shared.0.lock().unwrap().restart(Config::recommended());
     let error = session.counters().unwrap_err();
     assert!(matches!(error, LinkError::Restarted(_)), "{error}");
-    assert!(error.may_pass());
+    assert!(error.is_transient());
     session.open(2, Clock::Host).unwrap();
     assert!(session.counters().is_ok());
 }
 
 #[test]
 fn a_late_answer_of_the_session_before_is_nobodys() {
-    let shared = Shared(Arc::new(Mutex::new(Local::new(Config::recommended()))));
+    let shared = SharedNode(Arc::new(Mutex::new(InProcessNode::new(
+        Config::recommended(),
+    ))));
     let mut earlier = opened(shared.clone());
-    // Asked for, and left lying on the line.
+    // The response stays on the line.
     let mut other = Session::new(shared);
-    earlier.put(&ToMind::Counters).unwrap();
-    earlier.alive(0).unwrap();
+    earlier.queue(&ToMind::Counters).unwrap();
+    earlier.send_heartbeat(0).unwrap();
     other.open(2, Clock::Host).unwrap();
     let (value, _) = other.parameter(Parameter::Step, None).unwrap();
     assert_eq!(value, i32::from(Config::recommended().robot.step_mm));
@@ -166,7 +170,9 @@ fn a_late_answer_of_the_session_before_is_nobodys() {
 
 #[test]
 fn a_host_that_starts_anew_with_the_same_number_is_heard() {
-    let shared = Shared(Arc::new(Mutex::new(Local::new(Config::recommended()))));
+    let shared = SharedNode(Arc::new(Mutex::new(InProcessNode::new(
+        Config::recommended(),
+    ))));
     let mut earlier = opened(shared.clone());
     assert!(earlier.counters().is_ok());
     let mut other = Session::new(shared);

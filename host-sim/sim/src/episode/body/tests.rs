@@ -1,8 +1,9 @@
+use super::units::millimeters;
 use super::*;
 use crate::episode::drive_pilot;
-use crate::pilot::Mind;
+use crate::pilot::LocalController;
 use amp::config::Config;
-use amp::controller::Command;
+use amp::controller::{Command, Decision, Outputs, StopReason};
 use amp::fixed::Weight;
 use amp::goal::Goal;
 use arena::noise::Noise;
@@ -11,14 +12,14 @@ use std::f64::consts::PI;
 
 const SONARS: [SonarModel; 2] = [SonarModel::Ideal, SonarModel::Nomad];
 
-/// Rolls by this again and again, mm ahead, or stands.
-struct Straight {
+/// Commands the same motion again and again.
+struct StraightPilot {
     way_mm: i16,
     motions: u16,
 }
 
-impl Straight {
-    /// Slower than the leader. With the ideal sonars a motion is over within its ring, with the others it goes on.
+impl StraightPilot {
+    /// Slower than the leader. With the ideal sonars a motion ends within its ring.
     fn new(sonar: SonarModel, sense: i16) -> Self {
         let long_mm = if sonar == SonarModel::Ideal {
             30
@@ -32,7 +33,7 @@ impl Straight {
     }
 }
 
-impl Pilot for Straight {
+impl Pilot for StraightPilot {
     fn handle(&mut self, _: Millis, event: Event<16>) -> Outputs<16> {
         if !matches!(event, Event::Echo { sensor: 15, .. }) {
             return Outputs::NONE;
@@ -67,7 +68,7 @@ fn hall() -> World {
     World::new("hall", Pose::default(), vec![walls]).unwrap()
 }
 
-/// A robot that looks at a leader 0.9 m ahead, which drives straight at it.
+/// A robot that faces a leader 0.9 m ahead, which drives straight at it.
 fn rammed(world: &World, sonar: SonarModel) -> Body<'_> {
     let mut body = Body::new(world, sonar, TurretMode::Held, 1);
     let leader = Leader::blind(Point::new(0.9, 0.0), PI);
@@ -87,7 +88,7 @@ fn who_goes_towards_a_thing_closes_the_gap() {
     }
 }
 
-/// Before that it has touched nothing itself.
+/// The robot touches nothing itself before that.
 #[test]
 fn a_leader_that_rams_the_robot_is_told_apart_from_a_robot_that_rolls_into_it() {
     let world = hall();
@@ -98,12 +99,12 @@ fn a_leader_that_rams_the_robot_is_told_apart_from_a_robot_that_rolls_into_it() 
             (-1, Collision::ByOther),
         ] {
             let mut body = rammed(&world, sonar);
-            let mut pilot = Straight::new(sonar, sense);
+            let mut pilot = StraightPilot::new(sonar, sense);
             let first = (0..1_000).find_map(|_| {
-                let happened = body.advance(&mut pilot);
-                let touched = happened.moved.is_some_and(|moved| moved.touched);
+                let result = body.advance(&mut pilot);
+                let touched = result.moved.is_some_and(|moved| moved.touched);
                 assert!(!touched, "{sonar:?} {sense}");
-                happened.collision
+                result.collision
             });
             assert_eq!(first, Some(by), "{sonar:?} {sense}");
             let way = body.pose().position.x * f64::from(sense);
@@ -112,7 +113,8 @@ fn a_leader_that_rams_the_robot_is_told_apart_from_a_robot_that_rolls_into_it() 
     }
 }
 
-/// What counts as a contact is the robot's own doing. Counted until they meet: later the robot cannot roll on.
+/// Contacts count only the robot's own touches. They are counted until the robots meet, because
+/// then the robot is stuck.
 #[test]
 fn a_tally_keeps_both_kinds_of_touch_apart() {
     let world = hall();
@@ -122,16 +124,16 @@ fn a_tally_keeps_both_kinds_of_touch_apart() {
         (SonarModel::Ideal, 0, 4, (0, 1)),
         (SonarModel::Nomad, 0, 4, (0, 1)),
     ] {
-        let mut pilot = Straight::new(sonar, sense);
+        let mut pilot = StraightPilot::new(sonar, sense);
         let body = rammed(&world, sonar);
-        let tally = drive_pilot(&world, &mut pilot, body, steps).unwrap();
-        let touches = (tally.contacts, tally.touched_by);
+        let metrics = drive_pilot(&world, &mut pilot, body, steps).unwrap();
+        let touches = (metrics.contacts, metrics.touched_by);
         assert_eq!(touches, counted, "{sonar:?} {sense}");
     }
 }
 
-/// A mind whose base says that it moves and gets nowhere, whatever it does.
-struct Blocked(Mind);
+/// A controller whose base reports that it moves but gets nowhere.
+struct Blocked(LocalController);
 
 impl Pilot for Blocked {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
@@ -157,37 +159,37 @@ fn a_motion_that_does_not_end_stops_the_robot() {
     ] {
         let world = World::random(1);
         let mut body = Body::new(&world, sonar, turret, 1);
-        let mut pilot = Blocked(Mind::new(Config::recommended()));
+        let mut pilot = Blocked(LocalController::new(Config::recommended()));
         let explore = Command::Explore { moves: 9, seed: 3 };
         let _ = pilot.handle(body.now(), Event::Command(explore));
         let decided_s = loop {
-            let happened = body.advance(&mut pilot);
-            if happened.decision.is_some() {
-                break happened.time_s;
+            let result = body.advance(&mut pilot);
+            if result.decision.is_some() {
+                break result.time_s;
             }
-            assert_eq!(happened.stopped, None);
+            assert_eq!(result.stopped, None);
         };
         let (stopped, after_s) = loop {
-            let happened = body.advance(&mut pilot);
-            if let Some(reason) = happened.stopped {
+            let result = body.advance(&mut pilot);
+            if let Some(reason) = result.stopped {
                 break (reason, body.time_s() - decided_s);
             }
             assert!(body.time_s() < decided_s + 5.0);
         };
         assert_eq!(stopped, StopReason::Overdue);
-        // The first move is one of 80 mm at half speed: 0.63 s and half a second, and a turn later at most.
+        // The first move is 80 mm at half speed: 0.63 s, plus half a second, plus one step at most.
         assert!(after_s > 1.1 && after_s < 1.9, "{after_s}");
     }
 }
 
-/// Goes on for so many decisions, during which nothing stops the robot.
-fn decide(body: &mut Body<'_>, pilot: &mut Mind, count: u32) {
+/// Drives for this many decisions; nothing may stop the robot.
+fn decide(body: &mut Body<'_>, pilot: &mut LocalController, count: u32) {
     let (turret, began_s) = (body.turret, body.time_s());
     let mut decisions = 0;
     while decisions < count {
-        let happened = body.advance(pilot);
-        assert_eq!(happened.stopped, None, "{turret:?} after {decisions}");
-        decisions += u32::from(happened.decision.is_some());
+        let result = body.advance(pilot);
+        assert_eq!(result.stopped, None, "{turret:?} after {decisions}");
+        decisions += u32::from(result.decision.is_some());
         assert!(
             body.time_s() - began_s < 10.0 * f64::from(count),
             "{turret:?}"
@@ -195,14 +197,14 @@ fn decide(body: &mut Body<'_>, pilot: &mut Mind, count: u32) {
     }
 }
 
-/// Half turns included, which take most of the time to steer that the robot's description allows.
+/// Includes half turns, the longest steering that the robot's description allows.
 #[test]
 fn a_base_that_works_is_never_overdue() {
     for turret in [TurretMode::Held, TurretMode::Follow] {
         for seed in 1..=4 {
             let world = World::random(seed);
             let mut body = Body::new(&world, SonarModel::Nomad, turret, seed);
-            let mut pilot = Mind::new(Config::recommended());
+            let mut pilot = LocalController::new(Config::recommended());
             let explore = Command::Explore {
                 moves: 100,
                 seed: 3,

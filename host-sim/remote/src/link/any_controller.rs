@@ -1,0 +1,193 @@
+//! A controller in this process or at the end of a link.
+
+use super::{Knowledge, LinkError, RemoteController, Session, next_number};
+use amp::config::Config;
+use amp::controller::{Event, Outputs};
+use amp::fixed::Mask;
+use amp::units::Millis;
+use files::error::BadInput;
+use sim::error::EpisodeError;
+use sim::pilot::{HeardEcho, InspectableController as _, LocalController, Pilot, SimState};
+
+/// Place of a controller.
+pub enum ControllerPlace {
+    /// In this process.
+    Host,
+    /// At the other end of an open session, with a name for messages.
+    Link(Box<Session>, String),
+}
+
+/// A remote controller's state is read again after this many decisions.
+const FETCH: u32 = 20;
+
+/// A controller, local or remote.
+pub enum AnyController {
+    /// In this process.
+    Host(Box<LocalController>),
+    /// At the end of a link.
+    Link(Box<CachedRemote>),
+}
+
+/// A remote controller and a cached copy of its state.
+pub struct CachedRemote {
+    controller: RemoteController<Box<Session>>,
+    name: String,
+    state: Option<Box<SimState>>,
+    decisions: u32,
+}
+
+impl AnyController {
+    /// A controller without any knowledge.
+    ///
+    /// # Errors
+    /// When it cannot be reached or is incompatible.
+    pub fn new(config: &Config<16>, place: ControllerPlace) -> Result<Self, BadInput> {
+        match place {
+            ControllerPlace::Host => Ok(Self::local(config)),
+            ControllerPlace::Link(session, name) => {
+                let number = next_number(session.number());
+                let started = RemoteController::start(session, number, config);
+                let controller =
+                    started.map_err(|error| BadInput::new(format!("{name}: {error}")))?;
+                Ok(Self::Link(Box::new(CachedRemote {
+                    controller,
+                    name,
+                    state: None,
+                    decisions: 0,
+                })))
+            }
+        }
+    }
+
+    /// A controller in this process without any knowledge.
+    #[must_use]
+    pub fn local(config: &Config<16>) -> Self {
+        Self::Host(Box::new(LocalController::new(config.clone())))
+    }
+
+    /// Clears the knowledge and replaces the configuration.
+    ///
+    /// # Errors
+    /// When it is remote and cannot be reached.
+    pub fn reset(&mut self, config: &Config<16>) -> Result<(), LinkError> {
+        match self {
+            Self::Host(_) => *self = Self::local(config),
+            Self::Link(remote) => {
+                remote.controller.restart(config)?;
+                remote.state = None;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether it is in this process.
+    #[must_use]
+    pub fn is_local(&self) -> bool {
+        matches!(self, Self::Host(_))
+    }
+
+    /// Its name in messages.
+    #[must_use]
+    pub fn name(&self) -> String {
+        match self {
+            Self::Host(_) => "this process".to_owned(),
+            Self::Link(remote) => remote.name.clone(),
+        }
+    }
+
+    /// What a remote controller had before it was reset, in words.
+    #[must_use]
+    pub fn replaced(&self) -> Vec<&'static str> {
+        match self {
+            Self::Host(_) => Vec::new(),
+            Self::Link(remote) => remote.controller.replaced(),
+        }
+    }
+
+    /// Marks the cached state as old: at once, or after some decisions.
+    pub fn invalidate_cache(&mut self, at_once: bool) {
+        if let Self::Link(remote) = self {
+            remote.decisions += 1;
+            if at_once || remote.decisions >= FETCH {
+                (remote.state, remote.decisions) = (None, 0);
+            }
+        }
+    }
+
+    /// Maps and memory; those of a remote controller come from the cache.
+    ///
+    /// # Errors
+    /// When it is remote and cannot be reached.
+    pub fn cached_state(&mut self) -> Result<&SimState, EpisodeError> {
+        match self {
+            Self::Host(controller) => Ok(controller.state()),
+            Self::Link(remote) => {
+                let state = match remote.state.take() {
+                    Some(state) => state,
+                    None => Box::new(remote.controller.knowledge()?.clone()),
+                };
+                Ok(remote.state.insert(state))
+            }
+        }
+    }
+
+    /// Transducers it uses.
+    #[must_use]
+    pub fn enabled(&self) -> Mask {
+        match self {
+            Self::Host(controller) => controller.enabled(),
+            Self::Link(remote) => remote.controller.enabled(),
+        }
+    }
+
+    /// The configuration.
+    pub fn config(&self) -> &Config<16> {
+        match self {
+            Self::Host(controller) => controller.config(),
+            Self::Link(remote) => remote.controller.config(),
+        }
+    }
+
+    /// Replaces the configuration.
+    ///
+    /// # Errors
+    /// When it is remote and moves, or cannot be reached.
+    pub fn configure(&mut self, config: &Config<16>) -> Result<(), LinkError> {
+        match self {
+            Self::Host(controller) => controller.configure(config.clone()),
+            Self::Link(remote) => remote.controller.configure(config)?,
+        }
+        Ok(())
+    }
+
+    /// Replaces configuration and knowledge; only in this process.
+    pub fn replace(&mut self, knowledge: &Knowledge) {
+        if let Self::Host(controller) = self {
+            let (config, state) = (knowledge.config(), knowledge.state());
+            **controller = LocalController::with_state(config.clone(), state.clone());
+        }
+    }
+}
+
+impl Pilot for AnyController {
+    fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
+        match self {
+            Self::Host(controller) => controller.handle(at, event),
+            Self::Link(remote) => remote.controller.handle(at, event),
+        }
+    }
+
+    fn echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> (usize, Outputs<16>) {
+        match self {
+            Self::Host(controller) => controller.echoes(at, echoes),
+            Self::Link(remote) => remote.controller.echoes(at, echoes),
+        }
+    }
+
+    fn failure(&self) -> Option<EpisodeError> {
+        match self {
+            Self::Host(_) => None,
+            Self::Link(remote) => remote.controller.failure(),
+        }
+    }
+}

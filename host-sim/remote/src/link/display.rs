@@ -1,0 +1,200 @@
+//! Messages as text, for people.
+
+use amp::controller::{self, Decision};
+use amp::goal::Name;
+use amp::units::Displacement;
+use amp::wire::message::{
+    FromMind, MindHello, ModeReport, MotionOrder, Notice, Oscillator, Refusal, Report, ResetCause,
+};
+use sim::error::stop_reason;
+
+/// The cause of a reset, as a clause.
+#[must_use]
+pub fn reset(cause: ResetCause) -> &'static str {
+    match cause {
+        ResetCause::Unknown => "the cause is unknown",
+        ResetCause::PowerOn => "the power came on",
+        ResetCause::Pin => "its reset pin was pulled",
+        ResetCause::Requested => "a reset was requested",
+        ResetCause::Watchdog => "its watchdog was not fed",
+        ResetCause::Panic => "its program panicked",
+        ResetCause::HardFault => "its processor faulted",
+        ResetCause::StackOverflow => "its stack overflowed",
+    }
+}
+
+/// The processor's clock source.
+#[must_use]
+pub fn oscillator(oscillator: Oscillator) -> &'static str {
+    match oscillator {
+        Oscillator::Unknown => "unknown",
+        Oscillator::Crystal => "its crystal",
+        Oscillator::Internal => {
+            "its internal oscillator: the crystal failed or has another frequency"
+        }
+    }
+}
+
+/// Why a request was refused.
+#[must_use]
+pub fn refusal(why: Refusal) -> String {
+    match why {
+        Refusal::Incompatible(theirs) => format!("it speaks protocol {}", theirs.protocol),
+        Refusal::NoSession => "it has no session".into(),
+        Refusal::Expired { age_ms } => format!("the command came {age_ms} ms too late"),
+        Refusal::Command(why) => command(why),
+        Refusal::Parameter(why) => why.to_string(),
+        Refusal::Piece(why) => why.to_string(),
+        Refusal::Config => "the bytes are not a valid configuration".into(),
+        Refusal::Moving => {
+            "not while the robot explores, learns or seeks (`host-sim link … stop`)".into()
+        }
+        Refusal::NoRing => "it has no sonars of its own, or uses the host's clock".into(),
+        Refusal::NothingPerceived => "some sonars have not reported yet".into(),
+        Refusal::Flash(why) => why.to_string(),
+        Refusal::NoSuchGoal => "it has no goal of this name (`host-sim link … goals`)".into(),
+        Refusal::GoalName => "it has 8 goals already: drop one first".into(),
+    }
+}
+
+fn command(why: controller::CommandRefusal) -> String {
+    match why {
+        controller::CommandRefusal::Moves { most } => {
+            format!("it takes from 1 to {most} random moves")
+        }
+        controller::CommandRefusal::NoSamples => {
+            "there is nothing to learn from: explore first, or push a memory".into()
+        }
+        controller::CommandRefusal::NotLearnt => {
+            "it has not learned yet: learn first, or push maps".into()
+        }
+        controller::CommandRefusal::NothingToResume => "there is nothing to resume".into(),
+    }
+}
+
+/// A report as one line: the controller's time, kind and content.
+#[must_use]
+pub fn describe(report: &Report<16>) -> String {
+    let (kind, text) = match &report.said {
+        FromMind::Hello(controller) => ("hello", hello(controller)),
+        FromMind::Motion(order) => ("motion", motion(order)),
+        FromMind::Decision(taken) => ("decision", decision(taken)),
+        FromMind::Mode(state) => ("mode", mode(*state)),
+        FromMind::Counters(counted) => (
+            "counters",
+            format!(
+                "{} frames accepted, {} sent",
+                counted.accepted, counted.sent
+            ),
+        ),
+        FromMind::Refusal { seq, why } => ("refusal", format!("of frame {seq}: {}", refusal(*why))),
+        FromMind::Piece {
+            part,
+            offset,
+            total,
+            bytes,
+        } => (
+            "piece",
+            format!("{part:?}, {} bytes from {offset} of {total}", bytes.len()),
+        ),
+        FromMind::Parameter {
+            parameter,
+            value,
+            spec,
+        } => (
+            "parameter",
+            format!("{} = {value} {}", parameter.name(), spec.unit),
+        ),
+        FromMind::Log(Notice::LinkLost) => ("log", "no message came from the host".into()),
+        FromMind::Log(Notice::FramesDropped { count }) => {
+            ("log", format!("{count} frames dropped so far"))
+        }
+        FromMind::Log(Notice::Disbelieved { sensor, fault }) => (
+            "log",
+            format!("sonar {sensor} is disabled: {fault:?}").to_lowercase(),
+        ),
+        FromMind::Log(Notice::Believed { sensor }) => {
+            ("log", format!("sonar {sensor} is enabled again"))
+        }
+        FromMind::Log(Notice::StaleEcho { age_ms }) => (
+            "log",
+            format!("an echo was {age_ms} ms old and was ignored"),
+        ),
+        FromMind::Done { seq } => ("done", format!("frame {seq}")),
+        FromMind::Busy { ms } => ("busy", format!("for at most {ms} ms")),
+        FromMind::Goal { name, .. } if *name == Name::NONE => ("goal", "the current one".into()),
+        FromMind::Goal { name, .. } => ("goal", name.as_str().to_owned()),
+    };
+    let time_s = f64::from(report.device_ms) / 1e3;
+    format!("{time_s:10.3} s  {kind:<9}  {}", text.trim_end())
+}
+
+fn hello(controller: &MindHello) -> String {
+    format!(
+        "build {}, started because {}; config {:08x}, maps {:08x}, memory {:08x}",
+        build(&controller.build),
+        reset(controller.reset),
+        controller.config_crc,
+        controller.maps_crc,
+        controller.memory_crc
+    )
+}
+
+/// Name of the build, or "unknown".
+#[must_use]
+pub fn build(name: &[u8; 8]) -> String {
+    let text = String::from_utf8_lossy(name);
+    match text.trim_matches(['\0', ' ']) {
+        "" => "unknown".into(),
+        name => name.escape_default().to_string(),
+    }
+}
+
+fn vector(way: Displacement) -> String {
+    format!("({:+}, {:+}) mm", way.dx_mm, way.dy_mm)
+}
+
+fn motion(order: &MotionOrder) -> String {
+    let (id, revision) = (order.id, order.revision);
+    let way = order.motion().displacement;
+    if way == Displacement::ZERO {
+        return format!("{id}.{revision}  stop");
+    }
+    format!(
+        "{id}.{revision}  {} at {} mm/s for at most {} ms",
+        vector(way),
+        order.speed_mm_s,
+        order.ttl_ms
+    )
+}
+
+fn decision(taken: &Decision<16>) -> String {
+    let how = match &taken.plan {
+        None => "random move".into(),
+        Some(plan) => format!(
+            "situation {} → {} → goal {}, action {} ({})",
+            plan.current_neuron,
+            plan.intermediate_neuron,
+            plan.goal_neuron,
+            plan.action_neuron,
+            plan.why
+        ),
+    };
+    let cut = if taken.allowed == taken.wanted {
+        String::new()
+    } else {
+        format!(", shortened to {}", vector(taken.allowed))
+    };
+    let goal = if taken.at_goal { ", at the goal" } else { "" };
+    format!("{how}: {}{cut}{goal}", vector(taken.wanted))
+}
+
+fn mode(state: ModeReport) -> String {
+    match state {
+        ModeReport::Idle => "idle".into(),
+        ModeReport::Explore { left } => format!("explores, {left} moves left"),
+        ModeReport::Learn => "learns".into(),
+        ModeReport::Seek => "seeks its goal".into(),
+        ModeReport::Stopped(reason) => format!("stopped: {}", stop_reason(reason)),
+    }
+}

@@ -1,0 +1,448 @@
+//! Drives the simulated robot with a controller at the other end of a link.
+//!
+//! The controller's clock follows the time of the messages ([`Clock::Host`]), so neither a slow
+//! link nor a slow chip changes the result of an episode.
+
+use super::{Fingerprint, Knowledge, LinkError, Response, Session, next_number};
+use amp::config::Config;
+use amp::controller::{Command, Event, Motion, Outputs, Progress, StopReason};
+use amp::fixed::Mask;
+use amp::som::Grid;
+use amp::units::{Millis, Range};
+use amp::wire::message::{
+    Clock, FromMind, GoalBy, Heard, ModeReport, MotionOrder, Notice, Order, Part, Refusal, Report,
+};
+use amp::wire::{ToMind, message};
+use sim::error::EpisodeError;
+use sim::pilot::{HeardEcho, InspectableController, Pilot, SimState};
+use std::borrow::BorrowMut;
+use std::time::{Duration, Instant};
+
+/// Interval of heartbeats in simulated time, milliseconds: half of the allowed silence, so that one
+/// may be lost.
+const HEARTBEAT_MS: u32 = amp::link::SILENCE_MS / 2;
+
+/// Interval of the queries whether the controller still learns.
+const LEARN_POLL: Duration = Duration::from_millis(500);
+
+/// Limit for learning; the F405 takes an eighth of a second.
+const LEARN_TIMEOUT: Duration = Duration::from_secs(60);
+
+/// A controller at the other end of a link, for one episode. It owns its session (`Session`) or
+/// borrows it (`&mut Session`).
+pub struct RemoteController<S> {
+    session: S,
+    config: Config<16>,
+    /// Transducers that the controller's fault detector has disabled.
+    disabled: Mask,
+    found: Fingerprint,
+    fresh: Fingerprint,
+    /// Time of the latest message.
+    last_sent: Millis,
+    /// Number and revision of the latest motion.
+    motion: Option<(u16, u8)>,
+    /// A stop command was sent and is not yet confirmed.
+    stopping: bool,
+    /// The controller learns.
+    learning: bool,
+    knowledge: Box<SimState>,
+    error: Option<LinkError>,
+}
+
+impl<S: BorrowMut<Session>> RemoteController<S> {
+    /// Opens session `number` and the next one: writes the configuration, clears the knowledge and
+    /// checks both.
+    ///
+    /// # Errors
+    /// [`LinkError`].
+    pub fn start(mut session: S, number: u16, config: &Config<16>) -> Result<Self, LinkError> {
+        let (found, fresh) = open_fresh(session.borrow_mut(), number, config)?;
+        Ok(Self {
+            session,
+            config: config.clone(),
+            disabled: Mask::NONE,
+            found,
+            fresh,
+            last_sent: Millis::from_ms(0),
+            motion: None,
+            stopping: false,
+            learning: false,
+            knowledge: Box::new(SimState::new(Grid::rectangle(4, 4))),
+            error: None,
+        })
+    }
+
+    /// Does the same as [`start`](Self::start) with another configuration, also after an error; the
+    /// simulated time restarts at 0.
+    ///
+    /// # Errors
+    /// [`LinkError`].
+    pub fn restart(&mut self, config: &Config<16>) -> Result<(), LinkError> {
+        let session = self.session.borrow_mut();
+        let number = next_number(session.number());
+        (self.found, self.fresh) = open_fresh(session, number, config)?;
+        (self.config, self.disabled) = (config.clone(), Mask::NONE);
+        (self.last_sent, self.motion, self.error) = (Millis::from_ms(0), None, None);
+        self.learning = false;
+        Ok(())
+    }
+
+    /// Replaces the configuration and keeps the knowledge.
+    ///
+    /// # Errors
+    /// [`LinkError`]; a refusal while the robot explores, learns or seeks.
+    pub fn configure(&mut self, config: &Config<16>) -> Result<(), LinkError> {
+        let bytes = Knowledge::encode_config(config)?;
+        let session = self.session.borrow_mut();
+        session.write_part(Part::Config, &bytes)?;
+        (self.config, self.disabled) = (config.clone(), Mask::NONE);
+        Ok(())
+    }
+
+    /// The configuration.
+    #[must_use]
+    pub fn config(&self) -> &Config<16> {
+        &self.config
+    }
+
+    /// Transducers it uses.
+    #[must_use]
+    pub fn enabled(&self) -> Mask {
+        Mask::from_bits(self.config.enabled.to_bits() & !self.disabled.to_bits())
+    }
+
+    /// The parts that differed from this configuration and empty knowledge before the start, in
+    /// words.
+    #[must_use]
+    pub fn replaced(&self) -> Vec<&'static str> {
+        self.found.differences(&self.fresh)
+    }
+
+    fn dispatch(&mut self, at: Millis, event: Event<16>) -> Result<Outputs<16>, LinkError> {
+        let at_ms = at.as_ms();
+        match event {
+            Event::Echo { sensor, range } => self.send_echoes(at, &[HeardEcho::now(sensor, range)]),
+            Event::Odometry {
+                motion,
+                moved,
+                turned,
+                progress,
+            } => self.send(
+                at,
+                &ToMind::Odometry {
+                    at_ms,
+                    motion,
+                    dx_mm: moved.dx_mm,
+                    dy_mm: moved.dy_mm,
+                    turned: turned.as_turns(),
+                    progress,
+                },
+            ),
+            Event::Command(command) => self.command(at, command),
+            Event::Tick if self.learning => self.wait_until_learned(LEARN_TIMEOUT),
+            Event::Tick => self.tick(at),
+            // Alarms come from the controller's side of the link.
+            Event::Alarm(_) | Event::Touched => Ok(Outputs::NONE),
+        }
+    }
+
+    fn send_echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> Result<Outputs<16>, LinkError> {
+        let received = |echo: &HeardEcho| Heard {
+            sensor: echo.sensor,
+            range_mm: echo.range.map(Range::as_mm),
+            // Any controller ignores an echo older than a minute.
+            age_ms: echo.age_ms.try_into().unwrap_or(u16::MAX),
+        };
+        let echoes = echoes.iter().take(message::MAX_ECHOES).map(received);
+        let message = ToMind::Scan {
+            at_ms: at.as_ms(),
+            echoes: echoes.collect(),
+        };
+        self.send(at, &message)
+    }
+
+    fn command(&mut self, at: Millis, command: Command<16>) -> Result<Outputs<16>, LinkError> {
+        self.stopping = command == Command::Stop;
+        let order = match command {
+            Command::Explore { moves, seed } => Order::Explore { moves, seed },
+            Command::Learn => Order::Learn,
+            Command::Seek(goal) => {
+                self.order(at, Order::Goal(GoalBy::Components(goal)))?;
+                Order::Seek
+            }
+            Command::Stop => Order::Stop,
+            Command::Resume => Order::Resume,
+        };
+        let done = self.order(at, order);
+        self.stopping = false;
+        let is_done = matches!(&done, Ok(outputs) if outputs.refusal.is_none());
+        self.learning = is_done && command == Command::Learn;
+        done
+    }
+
+    /// Advances the controller's time. Every message does so; a message of its own is needed only
+    /// after a silence.
+    fn tick(&mut self, at: Millis) -> Result<Outputs<16>, LinkError> {
+        if !(HEARTBEAT_MS..1 << 31).contains(&at.since(self.last_sent)) {
+            return Ok(Outputs::NONE);
+        }
+        // A heartbeat is not answered, but its outcome is needed: so this sends odometry without
+        // motion.
+        let message = ToMind::Odometry {
+            at_ms: at.as_ms(),
+            motion: self.motion.map_or(0, |(id, _)| id),
+            dx_mm: 0,
+            dy_mm: 0,
+            turned: 0,
+            progress: Progress::Moving,
+        };
+        self.send(at, &message)
+    }
+
+    fn order(&mut self, at: Millis, order: Order<16>) -> Result<Outputs<16>, LinkError> {
+        let message = ToMind::Command {
+            at_ms: at.as_ms(),
+            ttl_ms: super::session::ORDER_TTL_MS,
+            order,
+        };
+        self.send(at, &message)
+    }
+
+    /// Sends an event of the time `at` and returns its outputs.
+    fn send(&mut self, at: Millis, message: &ToMind<16>) -> Result<Outputs<16>, LinkError> {
+        self.pass_time(at)?;
+        let answer = self.session.borrow_mut().request(message)?;
+        self.outputs(&answer)
+    }
+
+    /// Queues heartbeats for the time until `at`.
+    fn pass_time(&mut self, at: Millis) -> Result<(), LinkError> {
+        let mut gap_ms = at.since(self.last_sent);
+        // A time before the latest one looks like a large gap.
+        while (HEARTBEAT_MS + 1..1 << 31).contains(&gap_ms) {
+            self.last_sent = Millis::from_ms(self.last_sent.as_ms().wrapping_add(HEARTBEAT_MS));
+            let at_ms = self.last_sent.as_ms();
+            self.session.borrow_mut().queue(&ToMind::Alive { at_ms })?;
+            gap_ms = at.since(self.last_sent);
+        }
+        self.last_sent = at;
+        Ok(())
+    }
+
+    fn outputs(&mut self, answer: &Response) -> Result<Outputs<16>, LinkError> {
+        if answer.missing > 0 {
+            let reports = answer.missing;
+            return Err(LinkError::ReportsLost { reports });
+        }
+        let mut outputs = Outputs::NONE;
+        for report in &answer.reports {
+            self.take(report, &mut outputs)?;
+        }
+        match answer.refusal {
+            Some(Refusal::Command(why)) => outputs.refusal = Some(why),
+            Some(why) => return Err(LinkError::Refused(why)),
+            None => {}
+        }
+        Ok(outputs)
+    }
+
+    fn take(&mut self, report: &Report<16>, outputs: &mut Outputs<16>) -> Result<(), LinkError> {
+        match &report.said {
+            FromMind::Decision(decision) => outputs.decision = Some(*decision),
+            FromMind::Motion(order) => outputs.motion = self.new_motion(*order).or(outputs.motion),
+            FromMind::Mode(ModeReport::Stopped(StopReason::Commanded)) if self.stopping => {
+                outputs.mode_changed = true;
+            }
+            FromMind::Mode(ModeReport::Stopped(reason)) => {
+                return Err(LinkError::Stopped(*reason));
+            }
+            FromMind::Mode(_) => outputs.mode_changed = true,
+            FromMind::Log(Notice::Disbelieved { sensor, .. }) => {
+                self.disabled = self.disabled.with((*sensor).into());
+            }
+            FromMind::Log(Notice::Believed { sensor }) => {
+                self.disabled = self.disabled.without((*sensor).into());
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// The motion, unless it only renews the time to live of the current one.
+    fn new_motion(&mut self, order: MotionOrder) -> Option<Motion> {
+        let mark = Some((order.id, order.revision));
+        (std::mem::replace(&mut self.motion, mark) != mark).then(|| order.motion())
+    }
+
+    /// Waits until the controller has learned, for `limit` at most.
+    fn wait_until_learned(&mut self, limit: Duration) -> Result<Outputs<16>, LinkError> {
+        self.learning = false;
+        let end = Instant::now() + limit;
+        let mut outputs = Outputs::NONE;
+        while !outputs.mode_changed {
+            let now = Instant::now();
+            if now >= end {
+                return Err(LinkError::Learning { waited: limit });
+            }
+            let until = end.min(now + LEARN_POLL);
+            match self.session.borrow_mut().next_report(until)? {
+                Some(report) => self.take(&report, &mut outputs)?,
+                // The report may have been lost.
+                None => outputs.mode_changed = !self.is_learning()?,
+            }
+        }
+        Ok(outputs)
+    }
+
+    fn is_learning(&mut self) -> Result<bool, LinkError> {
+        let mode = self.session.borrow_mut().mode()?;
+        Ok(mode == ModeReport::Learn)
+    }
+
+    fn record_error(&mut self, result: Result<Outputs<16>, LinkError>) -> Outputs<16> {
+        result.unwrap_or_else(|error| {
+            self.error = Some(error);
+            Outputs::NONE
+        })
+    }
+}
+
+impl<S: BorrowMut<Session>> Pilot for RemoteController<S> {
+    fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
+        if self.error.is_some() {
+            return Outputs::NONE;
+        }
+        let result = self.dispatch(at, event);
+        self.record_error(result)
+    }
+
+    /// Sends in one frame all echoes up to the last enabled transducer: only that one can complete
+    /// the ring and cause a motion.
+    fn echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> (usize, Outputs<16>) {
+        if self.error.is_some() {
+            return (echoes.len(), Outputs::NONE);
+        }
+        let count = batch(echoes, self.enabled());
+        let result = self.send_echoes(at, echoes.get(..count).unwrap_or(echoes));
+        (count, self.record_error(result))
+    }
+
+    fn failure(&self) -> Option<EpisodeError> {
+        self.error.clone().map(EpisodeError::from)
+    }
+}
+
+impl<S: BorrowMut<Session>> InspectableController for RemoteController<S> {
+    fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
+        // The state does not change between messages, in any mode.
+        let read = Knowledge::read(self.session.borrow_mut()).map(Knowledge::into_state);
+        self.knowledge = read.map_err(EpisodeError::from)?;
+        Ok(&self.knowledge)
+    }
+}
+
+/// Opens two sessions; returns the fingerprints before and after the configuration was written and
+/// the knowledge cleared.
+fn open_fresh(
+    session: &mut Session,
+    number: u16,
+    config: &Config<16>,
+) -> Result<(Fingerprint, Fingerprint), LinkError> {
+    let fresh = Fingerprint::fresh(config)?;
+    session.expect_open_space(config.open_space);
+    let found = Fingerprint::from(&session.open(number, Clock::Host)?);
+    // A learning controller accepts no configuration.
+    session.command(0, Order::Stop)?;
+    session.write_part(Part::Config, &Knowledge::encode_config(config)?)?;
+    session.command(0, Order::Forget)?;
+    let hello = session.open(next_number(session.number()), Clock::Host)?;
+    match Fingerprint::from(&hello).differences(&fresh).first() {
+        Some(what) => Err(LinkError::Mismatch { what }),
+        None => Ok((found, fresh)),
+    }
+}
+
+/// Number of echoes for one frame.
+fn batch(echoes: &[HeardEcho], believed: Mask) -> usize {
+    let counts = |echo: &HeardEcho| believed.contains(usize::from(echo.sensor));
+    let last = echoes.iter().rposition(counts);
+    // Without an enabled transducer after it, each echo may complete a ring that began earlier.
+    last.map_or(1, |last| last + 1).min(message::MAX_ECHOES)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::InProcessNode;
+    use crate::link::tests::floods::frames;
+    use crate::link::{Flood, Transport};
+    use amp::wire::{Frame, frame};
+    use std::io;
+
+    /// Reports endlessly that it learns. Fails after 5 s, so that every wait ends.
+    struct EndlessLearner {
+        controller: InProcessNode,
+        began: Instant,
+    }
+
+    impl Transport for EndlessLearner {
+        fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+            self.controller.send(bytes)
+        }
+
+        fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
+            if self.began.elapsed() > Duration::from_secs(5) {
+                return Err(io::Error::other("it has learned for long enough"));
+            }
+            let mut one = [0];
+            let mut bytes = Vec::new();
+            while self.controller.receive(&mut one, timeout)? > 0 && one != [0] {
+                bytes.push(one[0]);
+            }
+            let Ok((header, mut report)) = frame::unpack::<Report<16>>(&bytes) else {
+                return Ok(0);
+            };
+            if let FromMind::Mode(mode) = &mut report.said {
+                *mode = ModeReport::Learn;
+            }
+            let frame = Frame::pack(header, &report).unwrap();
+            io::Read::read(&mut frame.as_bytes(), buffer)
+        }
+    }
+
+    #[test]
+    fn a_mind_that_learns_without_end_is_given_up() {
+        let config = Config::recommended();
+        let learner = EndlessLearner {
+            controller: InProcessNode::new(config.clone()),
+            began: Instant::now(),
+        };
+        let mut controller = RemoteController::start(Session::new(learner), 1, &config).unwrap();
+        let limit = Duration::from_millis(200);
+        let given_up = Err(LinkError::Learning { waited: limit });
+        let ends = |controller: &mut RemoteController<Session>, what| {
+            let began = Instant::now();
+            assert_eq!(controller.wait_until_learned(limit), given_up, "{what}");
+            assert!(began.elapsed() < Duration::from_millis(700), "{what}");
+        };
+        ends(&mut controller, "it says so when asked");
+        controller.session.transport = Box::new(Flood::of(frames(controller.session.number(), 1)));
+        ends(&mut controller, "it says other things");
+        let error = LinkError::Learning {
+            waited: LEARN_TIMEOUT,
+        };
+        assert_eq!(
+            error.to_string(),
+            "the controller has not learned within 60 s"
+        );
+    }
+
+    #[test]
+    fn a_frame_ends_with_the_last_transducer_that_may_complete_the_ring() {
+        let echoes: [_; 16] = std::array::from_fn(|sensor| HeardEcho::now(sensor as u8, None));
+        assert_eq!(batch(&echoes, Mask::ALL), 16);
+        assert_eq!(batch(&echoes, Mask::ALL.without(15)), 15);
+        assert_eq!(batch(&echoes[15..], Mask::ALL.without(15)), 1);
+        assert_eq!(batch(&echoes, Mask::NONE), 1);
+    }
+}

@@ -1,0 +1,133 @@
+//! Feeds the events of a log to a controller and compares its answers.
+
+use super::record::{AnswerRecord, EventKind, EventRecord, SetupRecord};
+use crate::link::Knowledge;
+use amp::controller::{Event, Mode, Outputs};
+use amp::units::Millis;
+use files::hex::unhex;
+use sim::pilot::{LocalController, Pilot as _};
+use std::collections::VecDeque;
+
+/// Limit for the ticks of learning.
+const MAX_TICKS: u32 = 10_000_000;
+
+/// A controller and its answers that are not compared yet.
+pub struct Replayer {
+    controller: LocalController,
+    answers: VecDeque<AnswerRecord>,
+}
+
+impl Replayer {
+    /// A controller that starts with these conditions.
+    #[must_use]
+    pub fn new(setup: &SetupRecord) -> Self {
+        Self {
+            controller: LocalController::new(setup.config.clone()),
+            answers: VecDeque::new(),
+        }
+    }
+
+    /// The controller in its current state.
+    #[must_use]
+    pub fn controller(&self) -> &LocalController {
+        &self.controller
+    }
+
+    /// Applies an event; calls `on_outputs` with each result.
+    ///
+    /// # Errors
+    /// What is wrong with the event, in words.
+    pub fn apply(
+        &mut self,
+        record: &EventRecord,
+        mut on_outputs: impl FnMut(&Outputs<16>),
+    ) -> Result<(), String> {
+        let at = Millis::from_ms(record.at_ms);
+        match &record.event {
+            EventKind::Echoes(echoes) => {
+                let echoes: Vec<_> = echoes.iter().map(|echo| echo.echo()).collect();
+                let mut left = &echoes[..];
+                while !left.is_empty() {
+                    let (taken, outputs) = self.controller.echoes(at, left);
+                    self.collect(at, &outputs, &mut on_outputs);
+                    left = left.get(taken.max(1)..).unwrap_or(&[]);
+                }
+            }
+            EventKind::Ticks { count, done } => self.tick(at, *count, *done, &mut on_outputs),
+            EventKind::Configure(config) => self.controller.configure((**config).clone()),
+            EventKind::Know(hex) => self.controller = known(hex)?,
+            other => {
+                if let Some(event) = other.event() {
+                    let outputs = self.controller.handle(at, event);
+                    self.collect(at, &outputs, &mut on_outputs);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Ticks that ended learning do so here too, whatever their number. At most the last tick has
+    /// an answer; outside learning a second tick of the same time does nothing.
+    fn tick(
+        &mut self,
+        at: Millis,
+        count: u32,
+        done: bool,
+        on_outputs: &mut impl FnMut(&Outputs<16>),
+    ) {
+        let most = if done { MAX_TICKS } else { count };
+        for _ in 0..most.min(MAX_TICKS) {
+            let outputs = self.controller.handle(at, Event::Tick);
+            self.collect(at, &outputs, on_outputs);
+            let learns = matches!(self.controller.state().mode(), Mode::Learn { .. });
+            if outputs != Outputs::NONE || !learns {
+                break;
+            }
+        }
+    }
+
+    fn collect(
+        &mut self,
+        at: Millis,
+        outputs: &Outputs<16>,
+        on_outputs: &mut impl FnMut(&Outputs<16>),
+    ) {
+        self.answers.extend(AnswerRecord::of(at.as_ms(), outputs));
+        on_outputs(outputs);
+    }
+
+    /// Compares the next answer with that of the log; returns the difference in words.
+    pub fn compare(&mut self, logged: &AnswerRecord) -> Option<String> {
+        let found = self.answers.pop_front();
+        (found.as_ref() != Some(logged)).then(|| differs(Some(logged), found.as_ref()))
+    }
+
+    /// An answer that the log lacks, in words.
+    pub fn unlogged_answer(&mut self) -> Option<String> {
+        let found = self.answers.pop_front()?;
+        Some(differs(None, Some(&found)))
+    }
+}
+
+fn known(hex: &str) -> Result<LocalController, String> {
+    let bytes = unhex(hex).ok_or("knowledge: not in hexadecimal")?;
+    let knowledge = Knowledge::from_bytes(&bytes).map_err(|why| format!("knowledge: {why}"))?;
+    let (config, state) = (knowledge.config(), knowledge.state());
+    Ok(LocalController::with_state(config.clone(), state.clone()))
+}
+
+fn differs(logged: Option<&AnswerRecord>, found: Option<&AnswerRecord>) -> String {
+    let at = logged.or(found).map_or(0, |answer| answer.at_ms);
+    format!(
+        "at {:.3} s of the controller's clock: the log says {}, the controller {}",
+        f64::from(at) / 1e3,
+        said(logged),
+        said(found)
+    )
+}
+
+fn said(answer: Option<&AnswerRecord>) -> String {
+    answer.map_or("nothing".to_owned(), |answer| {
+        serde_json::to_string(answer).unwrap_or_else(|error| error.to_string())
+    })
+}

@@ -1,0 +1,49 @@
+//! Reasons for the early end of an episode.
+
+use amp::controller::{CommandRefusal, StopReason};
+
+/// Why an episode ended early.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum EpisodeError {
+    /// The controller refused a command.
+    Refused(CommandRefusal),
+    /// The controller has taken no decision for a hundred rings.
+    Silent,
+    /// The robot stopped by itself.
+    Stopped(StopReason),
+    /// The link to a remote controller failed.
+    Link(String),
+    /// The log could not be written.
+    Log(String),
+}
+
+impl std::fmt::Display for EpisodeError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Refused(why) => write!(f, "the controller refused a command: {why:?}"),
+            Self::Silent => f.write_str("the controller took no decision for a hundred rings"),
+            Self::Stopped(StopReason::NothingHeard) => f.write_str(
+                "the robot stopped: no sonar received an echo in three rings (use --set open-space=on in open space)",
+            ),
+            Self::Stopped(reason) => write!(f, "the robot stopped: {}", stop_reason(*reason)),
+            Self::Link(why) | Self::Log(why) => f.write_str(why),
+        }
+    }
+}
+
+impl std::error::Error for EpisodeError {}
+
+/// Why a robot stopped, as a clause.
+#[must_use]
+pub fn stop_reason(reason: StopReason) -> &'static str {
+    match reason {
+        StopReason::Commanded => "on command",
+        StopReason::RingIncomplete => "a sonar did not report in time",
+        StopReason::LinkLost => "the host was silent for too long",
+        StopReason::NothingHeard => "no sonar received an echo in three rings",
+        StopReason::Overdue => "its motion did not end in time: the wheels may be blocked",
+        StopReason::EmergencyStop => "the emergency stop was pressed, or its wire is broken",
+        StopReason::LowVoltage => "its supply voltage is too low",
+        StopReason::BumperOpen => "the bumper does not close, or its wire is broken",
+    }
+}

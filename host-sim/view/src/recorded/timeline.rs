@@ -1,0 +1,269 @@
+//! A log as a list of items, with the history of its decisions.
+
+use crate::dto::shape_dto;
+use crate::history::{History, mark};
+use crate::snapshot::ShapeDto;
+use amp::controller::Progress;
+use arena::world::{Point, Pose};
+use files::error::BadInput;
+use remote::log::{
+    AnswerRecord, Ending, EventKind, EventRecord, LogFile, SceneChange, SetupRecord, channel,
+    pose_of, scene_changes,
+};
+use sim::episode::StepFlags;
+use std::sync::Arc;
+
+/// An item of a log.
+pub(super) enum TimelineItem {
+    /// A controller without knowledge starts.
+    Start(Box<SetupRecord>),
+    /// An input of the controller.
+    Event(EventRecord),
+    /// Its answer.
+    Answer(Box<AnswerRecord>),
+    /// The true pose of the robot.
+    Pose(Pose),
+    /// The surroundings.
+    Shapes(Arc<Vec<ShapeDto>>),
+    /// Position of a second robot.
+    Leader(Point),
+}
+
+/// A log in memory.
+pub(super) struct Timeline {
+    /// The items with their time since the log began, ns.
+    pub items: Vec<(u64, TimelineItem)>,
+    /// Every decision; a chunk ends at each start.
+    pub trail: History,
+    /// Number of decisions.
+    pub decisions: usize,
+    /// First chunk of each start.
+    pub starts: Vec<u64>,
+    /// Lower left and upper right corner.
+    pub bounds: [Point; 2],
+    /// How the log ends.
+    pub ending: Ending,
+}
+
+impl Timeline {
+    /// Reads a log.
+    ///
+    /// # Errors
+    /// When a message does not match its channel, or there is no decision.
+    pub fn read(log: &LogFile) -> Result<Self, BadInput> {
+        let mut items = Vec::new();
+        for message in log.messages() {
+            let refuse = |why| BadInput::file(log.path(), why);
+            let mut put = |item| items.push((message.time_ns, item));
+            match message.topic.as_str() {
+                channel::SETUP => put(TimelineItem::Start(Box::new(
+                    message.content().map_err(refuse)?,
+                ))),
+                channel::EVENT => put(TimelineItem::Event(message.content().map_err(refuse)?)),
+                channel::PLAN => put(TimelineItem::Answer(Box::new(
+                    message.content().map_err(refuse)?,
+                ))),
+                channel::POSE => put(TimelineItem::Pose(pose_of(&message).map_err(refuse)?)),
+                channel::SCENE => {
+                    for change in scene_changes(&message).map_err(refuse)? {
+                        put(match change {
+                            SceneChange::Shapes(shapes) => TimelineItem::Shapes(Arc::new(
+                                shapes.iter().map(shape_dto).collect(),
+                            )),
+                            SceneChange::Leader(at) => TimelineItem::Leader(at),
+                        });
+                    }
+                }
+                _ => {}
+            }
+        }
+        let mut builder = HistoryBuilder::new();
+        items
+            .iter()
+            .for_each(|(time_ns, item)| builder.take(*time_ns, item));
+        builder.end();
+        if builder.decisions == 0 {
+            return Err(BadInput::file(log.path(), "holds no decision"));
+        }
+        Ok(Self {
+            bounds: bounds(&items),
+            items,
+            trail: builder.trail,
+            decisions: builder.decisions,
+            starts: builder.starts,
+            ending: log.ending(),
+        })
+    }
+}
+
+fn bounds(items: &[(u64, TimelineItem)]) -> [Point; 2] {
+    let (mut low, mut high) = (
+        Point::new(f64::INFINITY, f64::INFINITY),
+        Point::new(f64::NEG_INFINITY, f64::NEG_INFINITY),
+    );
+    let mut stretch = |x: f64, y: f64, room: f64| {
+        low = Point::new(low.x.min(x - room), low.y.min(y - room));
+        high = Point::new(high.x.max(x + room), high.y.max(y + room));
+    };
+    for (_, item) in items {
+        match item {
+            // Where the surroundings are not known, echoes are shown around the path.
+            TimelineItem::Pose(pose) => stretch(pose.position.x, pose.position.y, 0.3),
+            TimelineItem::Shapes(shapes) => {
+                for shape in shapes.iter() {
+                    match shape {
+                        ShapeDto::Wall(points) | ShapeDto::Box(points) => {
+                            points.iter().for_each(|[x, y]| stretch(x.0, y.0, 0.0));
+                        }
+                        ShapeDto::Circle([x, y], radius) => stretch(x.0, y.0, radius.0),
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+    if low.x > high.x {
+        return [Point::new(-1.0, -1.0), Point::new(1.0, 1.0)];
+    }
+    [low, high]
+}
+
+/// A decision that is being executed.
+#[derive(Default)]
+struct OpenStep {
+    seeking: bool,
+    flags: StepFlags,
+    neuron: Option<usize>,
+    /// Time and nearest range at its end.
+    ended: Option<(f64, Option<f64>)>,
+}
+
+/// Builds the history of a log's decisions.
+struct HistoryBuilder {
+    trail: History,
+    decisions: usize,
+    starts: Vec<u64>,
+    /// The current decision, and one that waits for its final position.
+    open: Option<OpenStep>,
+    ending: Option<OpenStep>,
+    place: Point,
+    ranges_m: [Option<f64>; 16],
+    time_s: f64,
+}
+
+impl HistoryBuilder {
+    fn new() -> Self {
+        Self {
+            trail: History::whole(),
+            decisions: 0,
+            starts: Vec::new(),
+            open: None,
+            ending: None,
+            place: Point::default(),
+            ranges_m: [None; 16],
+            time_s: 0.0,
+        }
+    }
+
+    fn take(&mut self, time_ns: u64, item: &TimelineItem) {
+        self.time_s = time_ns as f64 / 1e9;
+        match item {
+            TimelineItem::Start(_) => {
+                self.end();
+                self.trail.begin();
+                self.starts.push(self.trail.ends()[0]);
+                self.ranges_m = [None; 16];
+            }
+            TimelineItem::Event(record) => self.event(&record.event),
+            TimelineItem::Answer(answer) => self.answer(answer),
+            TimelineItem::Pose(pose) => {
+                self.place = pose.position;
+                self.put();
+            }
+            TimelineItem::Shapes(_) | TimelineItem::Leader(_) => {}
+        }
+    }
+
+    fn event(&mut self, event: &EventKind) {
+        match event {
+            EventKind::Echoes(echoes) => {
+                for echo in echoes {
+                    if let Some(range) = self.ranges_m.get_mut(usize::from(echo.sensor)) {
+                        *range = echo.range_mm.map(|mm| f64::from(mm) / 1e3);
+                    }
+                }
+            }
+            EventKind::Odometry {
+                progress: Progress::Touched,
+                ..
+            } => {
+                if let Some(open) = &mut self.open {
+                    open.flags.touched = true;
+                }
+            }
+            // A stop ends the step.
+            EventKind::Stop => self.close(),
+            _ => {}
+        }
+    }
+
+    fn answer(&mut self, answer: &AnswerRecord) {
+        match &answer.decision {
+            Some(decision) => {
+                self.close();
+                let plan = decision.plan.as_ref();
+                self.decisions += 1;
+                self.open = Some(OpenStep {
+                    seeking: plan.is_some(),
+                    flags: StepFlags {
+                        at_goal: decision.at_goal,
+                        shielded: decision.allowed_mm != decision.wanted_mm,
+                        touched: false,
+                        touched_by: false,
+                    },
+                    neuron: plan.map(|plan| usize::from(plan.current_neuron)),
+                    ended: None,
+                });
+            }
+            None if answer.mode_changed => self.close(),
+            None => {
+                if let (Some(open), Some(_)) = (&mut self.open, answer.motion) {
+                    open.flags.shielded = true;
+                }
+            }
+        }
+    }
+
+    /// Ends the current decision.
+    fn close(&mut self) {
+        self.put();
+        if let Some(mut open) = self.open.take() {
+            let nearest = self.ranges_m.iter().flatten().copied().reduce(f64::min);
+            open.ended = Some((self.time_s, nearest));
+            self.ending = Some(open);
+        }
+    }
+
+    /// Adds the ended decision at the current position.
+    fn put(&mut self) {
+        let Some(ended) = self.ending.take() else {
+            return;
+        };
+        let (time_s, nearest) = ended.ended.unwrap_or_default();
+        let mark = mark(
+            time_s,
+            self.place,
+            ended.seeking,
+            ended.flags,
+            ended.neuron,
+            nearest,
+        );
+        self.trail.push(mark);
+    }
+
+    /// Ends the history, or a start.
+    fn end(&mut self) {
+        self.close();
+        self.put();
+    }
+}
