@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use super::lobe::SonarLobe;
+use super::seen::SonarLobe;
 use crate::geometry::{Point, max, min};
 use crate::surfaces::{Circle, Face, FaceBlock, LANES, SLACK_M, Surfaces};
 

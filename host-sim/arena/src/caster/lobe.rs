@@ -7,26 +7,12 @@ use std::sync::Arc;
 
 use super::answer::{Fan, NearestAnswer};
 use super::candidates::Candidates;
-use super::cone::{ConeShape, circle_in_cone};
-use super::seen::{LobeHit, SLACK_M, SeenCircle, SeenFace, Things};
-use crate::geometry::{Point, max, min};
-use crate::surfaces::{Circle, Face, Surfaces};
+use super::seen::{LobeHit, SLACK_M, SeenCircle, SeenFace, SonarLobe, Things};
+use crate::geometry::Point;
+use crate::surfaces::{Circle, Surfaces};
 
 /// How much nearer than a corner a ray may end and still be said to reach it, m.
 const CORNER_SLACK_M: f64 = 1e-6;
-
-/// A lobe: the cone in which a transducer hears.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct SonarLobe {
-    /// Where its tip is.
-    pub tip: Point,
-    /// A unit vector.
-    pub axis: Point,
-    /// How wide it is.
-    pub cone: ConeShape,
-    /// How far it reaches from its tip, m.
-    pub reach_m: f64,
-}
 
 /// What one lobe can meet. It can be aimed again and again; a transducer that moves little and
 /// keeps its direction is aimed fast.
@@ -156,60 +142,5 @@ impl LobeView {
             circle.center * (1.0 / length)
         });
         feet.chain(middles)
-    }
-}
-
-impl SonarLobe {
-    /// A circle as it is seen, if any part of it lies in the lobe.
-    fn see_circle(&self, circle: &Circle) -> Option<SeenCircle> {
-        let center = circle.center - self.tip;
-        let near = circle_in_cone(center, circle.radius, self.axis, self.cone);
-        (near <= self.reach_m).then_some(SeenCircle {
-            center,
-            radius: circle.radius,
-            number: circle.number,
-            near: near * near,
-        })
-    }
-
-    /// A face as it is seen, if any part of it lies in the lobe.
-    #[inline]
-    fn see(&self, face: &Face) -> Option<SeenFace> {
-        let ConeShape { sin, cos } = self.cone;
-        let far = self.reach_m;
-        let offset = face.a - self.tip;
-        let (p, q) = (offset.dot(face.u), offset.cross(face.u));
-        if q <= 0.0 || q * q > far * far {
-            return None;
-        }
-        let (axis_u, axis_n) = (self.axis.dot(face.u), self.axis.cross(face.u));
-        let (left_n, left_u) = (axis_n * cos - axis_u * sin, axis_u * cos + axis_n * sin);
-        let (right_n, right_u) = (axis_n * cos + axis_u * sin, axis_u * cos - axis_n * sin);
-        let (met_left, met_right) = (left_n > 0.0, right_n > 0.0);
-        if !(met_left || met_right) {
-            return None;
-        }
-        // An edge of the cone that runs away from the face bounds nothing.
-        let left = if met_left {
-            q * left_u / left_n
-        } else {
-            f64::INFINITY
-        };
-        let right = if met_right {
-            q * right_u / right_n
-        } else {
-            f64::NEG_INFINITY
-        };
-        let (from, to) = (max(p, right), min(p + face.length, left));
-        let nearest = max(from, min(to, 0.0));
-        let near = nearest * nearest + q * q;
-        (from <= to && near <= far * far).then_some(SeenFace {
-            u: face.u,
-            p,
-            q,
-            length: face.length,
-            number: face.number,
-            near,
-        })
     }
 }

@@ -1,7 +1,7 @@
 //! The caster: what rays, cones and moving discs meet among the surfaces of a world.
 //!
-//! [`Caster`] is its one door. Each query looks only at what is near, by trees of boxes; nothing is
-//! remembered between queries.
+//! [`Caster`] is its one door. Each query looks only at what is near, by trees of boxes. It remembers
+//! nothing between queries, except what a [`LobeView`] keeps of the surroundings of its transducer.
 
 use std::sync::Arc;
 
@@ -21,9 +21,9 @@ mod tests;
 
 pub(crate) use answer::Fan;
 pub use cone::{ConeShape, ConeView};
-pub(crate) use lobe::{LobeView, SonarLobe};
+pub(crate) use lobe::LobeView;
 pub use ray::{Hit, Surface};
-pub(crate) use seen::LobeHit;
+pub(crate) use seen::{LobeHit, SonarLobe};
 pub use sweep::{Sweep, TOUCH_SLACK_M};
 #[cfg(test)]
 pub(crate) use {
@@ -68,17 +68,18 @@ impl Caster {
             .fold(still, |nearest, post| min(nearest, post.distance(point)))
     }
 
-    /// Moves a disc straight: see [`World::sweep`](crate::world::World::sweep).
+    /// Moves a disc of `radius` m straight `from` one point towards another, up to its first touch.
     pub fn sweep(&self, from: Point, to: Point, radius: f64) -> Sweep {
         sweep::sweep(&self.still, &self.posts, [from, to], radius)
     }
 
-    /// Casts one ray: see [`World::cast`](crate::world::World::cast).
+    /// The first thing that a ray from `origin` along the unit vector `direction` meets.
     pub fn cast(&self, origin: Point, direction: Point) -> Option<Hit> {
         ray::cast(&self.still, &self.posts, origin, direction)
     }
 
-    /// What cones around one place can meet: see [`World::view`](crate::world::World::view).
+    /// What cones can meet whose tips lie `offset_m` from `middle`, along their axes, and which reach
+    /// `reach_m` from there.
     pub fn view(&self, middle: Point, offset_m: f64, reach_m: f64) -> ConeView {
         ConeView::new(&self.still, &self.posts, middle, offset_m, reach_m)
     }

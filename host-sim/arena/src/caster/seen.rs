@@ -1,9 +1,79 @@
-//! Faces and circles as seen from the tip of a lobe, and what a ray from there meets first.
+//! A lobe, faces and circles as seen from its tip, and what a ray from there meets first.
 
-use crate::geometry::Point;
+use super::cone::{ConeShape, circle_in_cone};
+use crate::geometry::{Point, max, min};
+use crate::surfaces::{Circle, Face};
 
 /// How much beyond a ray's end things are still looked at, m: far above any rounding.
 pub(super) const SLACK_M: f64 = 1e-3;
+
+/// A lobe: the cone in which a transducer hears.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct SonarLobe {
+    /// Where its tip is.
+    pub tip: Point,
+    /// A unit vector.
+    pub axis: Point,
+    /// How wide it is.
+    pub cone: ConeShape,
+    /// How far it reaches from its tip, m.
+    pub reach_m: f64,
+}
+
+impl SonarLobe {
+    /// A circle as it is seen, if any part of it lies in the lobe.
+    pub(super) fn see_circle(&self, circle: &Circle) -> Option<SeenCircle> {
+        let center = circle.center - self.tip;
+        let near = circle_in_cone(center, circle.radius, self.axis, self.cone);
+        (near <= self.reach_m).then_some(SeenCircle {
+            center,
+            radius: circle.radius,
+            number: circle.number,
+            near: near * near,
+        })
+    }
+
+    /// A face as it is seen, if any part of it lies in the lobe.
+    #[inline]
+    pub(super) fn see(&self, face: &Face) -> Option<SeenFace> {
+        let ConeShape { sin, cos } = self.cone;
+        let far = self.reach_m;
+        let offset = face.a - self.tip;
+        let (p, q) = (offset.dot(face.u), offset.cross(face.u));
+        if q <= 0.0 || q * q > far * far {
+            return None;
+        }
+        let (axis_u, axis_n) = (self.axis.dot(face.u), self.axis.cross(face.u));
+        let (left_n, left_u) = (axis_n * cos - axis_u * sin, axis_u * cos + axis_n * sin);
+        let (right_n, right_u) = (axis_n * cos + axis_u * sin, axis_u * cos - axis_n * sin);
+        let (met_left, met_right) = (left_n > 0.0, right_n > 0.0);
+        if !(met_left || met_right) {
+            return None;
+        }
+        // An edge of the cone that runs away from the face bounds nothing.
+        let left = if met_left {
+            q * left_u / left_n
+        } else {
+            f64::INFINITY
+        };
+        let right = if met_right {
+            q * right_u / right_n
+        } else {
+            f64::NEG_INFINITY
+        };
+        let (from, to) = (max(p, right), min(p + face.length, left));
+        let nearest = max(from, min(to, 0.0));
+        let near = nearest * nearest + q * q;
+        (from <= to && near <= far * far).then_some(SeenFace {
+            u: face.u,
+            p,
+            q,
+            length: face.length,
+            number: face.number,
+            near,
+        })
+    }
+}
 
 /// A face as seen from the tip of a lobe.
 #[derive(Debug, Clone, Copy)]
