@@ -148,7 +148,7 @@ fn killed_at_any_moment_it_goes_on_where_it_was() {
     assert!(within >= 3, "of {kills} kills only {within} hit it at work");
     // Nothing is left to run.
     let again = program.run(&words("sweep sweep.toml --out part.csv"));
-    assert!(again.stderr.contains("0 episodes in") && again.stderr.contains("150 were there"));
+    assert!(again.stderr.contains("0 episodes in") && again.stderr.contains("150 already done"));
     assert_eq!(read(&program, "part.csv"), all);
 }
 

@@ -59,7 +59,8 @@ impl Default for QLazyTuning {
 /// A memory of moves and their values.
 ///
 /// ```text
-/// Q_i ← r_i + γ max Q̂(s'_i, a)        Q̂(s, a) = mean of the k nearest Q_i, weighted by 1/(d² + ε)
+/// Q_i ← r_i + γ max Q̂(s'_i, a)
+/// Q̂(s, a) = mean of the k nearest Q_i, weighted by 1/(d² + ε)
 /// d² = |s − s_i|² + λ² |a − a_i|²
 /// ```
 ///
