@@ -47,14 +47,18 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 let motion = stopped.motion.or(Some(self.standing()));
                 return Outputs { motion, ..stopped };
             }
-            Command::Resume => match (self.mode, self.interrupted) {
-                (Mode::Stopped(_), interrupted @ (Mode::Explore { .. } | Mode::Seek { .. })) => {
-                    interrupted
-                }
-                _ => return refused(CommandRefusal::NothingToResume),
-            },
+            Command::Resume if self.can_resume() => self.interrupted,
+            Command::Resume => return refused(CommandRefusal::NothingToResume),
         };
         self.enter(at, mode)
+    }
+
+    /// Whether a stop interrupted something.
+    const fn can_resume(&self) -> bool {
+        matches!(
+            (&self.mode, &self.interrupted),
+            (Mode::Stopped(_), Mode::Explore { .. } | Mode::Seek { .. })
+        )
     }
 
     /// Stands still and stores the interrupted mode for [`Command::Resume`].
