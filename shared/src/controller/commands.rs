@@ -1,6 +1,6 @@
 //! Commands, alarms and ticks: what changes the mode.
 
-use super::search::Search;
+use super::search::SearchProgress;
 use super::{Command, CommandRefusal, Mode, Outputs, State, StopReason};
 use crate::config::Config;
 use crate::units::Millis;
@@ -38,7 +38,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 Mode::Learn { step: 0 }
             }
             Command::Seek(goal) => {
-                self.search = Search::NEW;
+                self.search = SearchProgress::NEW;
                 Mode::Seek { goal }
             }
             Command::Stop => {

@@ -1,7 +1,7 @@
 //! A decision: a complete ring and a standing base become a random move or a step towards the goal.
 
 use super::motion::Pending;
-use super::search::Search;
+use super::search::SearchProgress;
 use super::tracked::Tracked;
 use super::{Decision, Mode, Motion, Outputs, State, StopReason};
 use crate::action_map::Effect;
@@ -348,7 +348,7 @@ fn wandering_goal<const SENSORS: usize>(
     enabled: Mask,
     situation: &Situation<SENSORS>,
     goal: &Goal<SENSORS>,
-    search: &mut Search,
+    search: &mut SearchProgress,
     course: &mut Tracked,
 ) -> Option<Goal<SENSORS>> {
     let wander = config.planning.wander?;
@@ -359,7 +359,7 @@ fn wandering_goal<const SENSORS: usize>(
     let asked = || goal.asked(0, enabled);
     let deviation = cost_of(asked(), values, goal.cap_bits(), i64::MAX);
     if goal.is_met_by(deviation, asked()) {
-        *search = Search::NEW;
+        *search = SearchProgress::NEW;
     } else if search.is_stuck(deviation, wander) {
         let onward = course.now().with_length(config.robot.step_mm);
         *course = Tracked::new(onward.rotated(NEXT_COURSE.direction()));
