@@ -114,7 +114,7 @@ pub enum LearnFrom {
 
 /// How one map learns from the memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Training {
+pub struct MapTraining {
     /// Shape of the neighborhood.
     pub neighborhood: Neighborhood,
     /// Learning rate, Q16.
@@ -145,9 +145,9 @@ pub struct Learning {
     /// Border of both grids.
     pub edges: Edges,
     /// The situation map's training.
-    pub situations: Training,
+    pub situations: MapTraining,
     /// The action map's training.
-    pub actions: Training,
+    pub actions: MapTraining,
     /// Presentations per [`Event::Tick`](crate::controller::Event::Tick), 1 … 16 (half as many at
     /// first, when many ties are to be settled): bounds the work between two events and changes
     /// nothing else.
@@ -283,7 +283,7 @@ mod tests {
     #[test]
     fn the_presets_are_what_they_are_said_to_be() {
         let literal = Config::touzet();
-        let halves = |training: &Training| (training.rate.start_q16(), training.rate.end_q16());
+        let halves = |training: &MapTraining| (training.rate.start_q16(), training.rate.end_q16());
         assert_eq!(halves(&literal.learning.situations), (32_768, 3_276));
         assert_eq!(literal.learning.actions, literal.learning.situations);
         assert_eq!(

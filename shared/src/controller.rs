@@ -46,7 +46,7 @@ pub use message::{
 };
 use motion::Pending;
 pub use parts::{PartError, StatePart};
-use search::Search;
+use search::SearchProgress;
 pub use tracked::Tracked;
 
 /// Everything that changes while the robot runs.
@@ -95,7 +95,7 @@ pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usiz
     /// What the searches of the last decision found.
     last_plan: Memo,
     /// How the search for a place goes.
-    search: Search,
+    search: SearchProgress,
 }
 
 /// The state for the Nomad 200 with the paper's sizes.
@@ -134,7 +134,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             blocked: 0,
             inhibited: [0; NEURONS],
             last_plan: Memo::NONE,
-            search: Search::NEW,
+            search: SearchProgress::NEW,
         }
     }
 

@@ -33,7 +33,7 @@
 use crate::config::Config;
 use crate::fixed::{Mask, isqrt};
 use crate::units::{Bearing, Displacement, Range};
-use record::{Look, Reading, Record, add};
+use record::{Look, RangeReading, SensorRecord, add};
 use serde::{Deserialize, Serialize};
 use visited_cells::VisitedCells;
 
@@ -117,7 +117,7 @@ pub struct Scores {
 /// The detector; all zeros when new.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Detector<const SENSORS: usize> {
-    records: [Record; SENSORS],
+    records: [SensorRecord; SENSORS],
     visited_cells: VisitedCells,
     /// Displacement since the start in the ring's first frame, millimeters, wrapping; and how far
     /// the ring has turned.
@@ -145,7 +145,7 @@ impl<const SENSORS: usize> Detector<SENSORS> {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            records: [Record::NEW; SENSORS],
+            records: [SensorRecord::NEW; SENSORS],
             visited_cells: VisitedCells::NEW,
             x_mm: 0,
             y_mm: 0,
@@ -180,7 +180,7 @@ impl<const SENSORS: usize> Detector<SENSORS> {
             if sensors.contains(sensor) && self.disabled & bit(sensor) != 0 {
                 self.disabled &= !bit(sensor);
                 self.heard &= !bit(sensor);
-                *record = Record::NEW;
+                *record = SensorRecord::NEW;
             }
         }
     }
@@ -221,7 +221,7 @@ impl<const SENSORS: usize> Detector<SENSORS> {
             self.turned = self.turned.plus(turned);
             // The axes have turned: earlier readings are no reference any more.
             for record in &mut self.records {
-                record.looked = Reading::UNKNOWN;
+                record.looked = RangeReading::UNKNOWN;
             }
         }
     }
@@ -236,7 +236,7 @@ impl<const SENSORS: usize> Detector<SENSORS> {
         let (dx, dy) = (i32::from(moved.dx_mm), i32::from(moved.dy_mm));
         let least = i32::from(moved.length_mm()).wrapping_mul(COS_34_Q14) >> 14;
         for (record, axis) in self.records.iter_mut().zip(&config.robot.directions) {
-            if record.latest == Reading::SILENCE && least > 0 && axis.along(dx, dy) >= least {
+            if record.latest == RangeReading::SILENCE && least > 0 && axis.along(dx, dy) >= least {
                 add(&mut record.scores.silent, TOUCH_WEIGHT);
             }
         }
@@ -257,7 +257,7 @@ impl<const SENSORS: usize> Detector<SENSORS> {
         let (x_mm, y_mm, is_new) = (self.x_mm, self.y_mm, !self.visited_cells.is_known);
         let doubted = self.disabled & bit(index) != 0;
         let record = self.records.get_mut(index)?;
-        record.latest = Reading::new(range);
+        record.latest = RangeReading::new(range);
         let dx = i32::from(x_mm.wrapping_sub(record.x_mm));
         let dy = i32::from(y_mm.wrapping_sub(record.y_mm));
         let way =
@@ -283,7 +283,7 @@ impl<const SENSORS: usize> Detector<SENSORS> {
     }
 
     /// The latest readings of the transducers on both sides, where these are not in doubt.
-    fn sides(&self, enabled: Mask, index: usize) -> [Reading; 2] {
+    fn sides(&self, enabled: Mask, index: usize) -> [RangeReading; 2] {
         let next = index.wrapping_add(1);
         let left = if next >= SENSORS { 0 } else { next };
         let right = index
@@ -293,7 +293,7 @@ impl<const SENSORS: usize> Detector<SENSORS> {
             Some(record) if enabled.contains(side) && record.scores.worst() < DOUBT => {
                 record.latest
             }
-            _ => Reading::UNKNOWN,
+            _ => RangeReading::UNKNOWN,
         })
     }
 

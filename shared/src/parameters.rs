@@ -3,7 +3,7 @@
 
 mod settings;
 
-pub use settings::{Kind, NotTaken, NumberFormat, Setting, Value};
+pub use settings::{NotTaken, NumberFormat, Setting, SettingKind, Value};
 
 use crate::config::Config;
 use crate::fixed::Mask;

@@ -25,7 +25,7 @@ use crate::config::Config;
 use crate::fixed::{Mask, isqrt};
 use crate::scan::Echo;
 use crate::units::{Bearing, Direction, Displacement, Millis};
-use arc::{Arc, Lobe};
+use arc::{Arc, LobeShape};
 use cone::Cone;
 use path::StraightPath;
 
@@ -61,7 +61,7 @@ pub struct Shield<const SENSORS: usize> {
     /// How far the ring has turned from the shield's frame.
     turned: Bearing,
     /// The lobe of the last echo.
-    lobe: Option<Lobe>,
+    lobe: Option<LobeShape>,
     /// How far the robot has moved since it knew nothing, millimeters; counted until that makes a
     /// second view.
     way_mm: u16,
@@ -126,7 +126,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         self.drop_if_silent(limits, sensor, echo.at);
         let place = self.place_of(config, sensor, axis);
         if self.lobe.is_none_or(|lobe| lobe.half != limits.half_lobe) {
-            self.lobe = Some(Lobe::of(limits.half_lobe));
+            self.lobe = Some(LobeShape::of(limits.half_lobe));
         }
         let Some(lobe) = &self.lobe else { return };
         let arcs = self.arcs.as_flattened_mut().iter_mut();
@@ -257,7 +257,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         let lobe = match &self.lobe {
             Some(lobe) if lobe.half == limits.half_lobe => lobe,
             _ => {
-                new = Lobe::of(limits.half_lobe);
+                new = LobeShape::of(limits.half_lobe);
                 &new
             }
         };

@@ -5,7 +5,7 @@
 
 use amp::config::{Config, Wander};
 use amp::fixed::{Mask, Weight};
-use amp::parameters::{Kind, NumberFormat, Setting, Value};
+use amp::parameters::{NumberFormat, Setting, SettingKind, Value};
 use amp::som::{Decay, Schedule};
 use files::error::BadInput;
 
@@ -19,7 +19,7 @@ pub const DECAYS: &[(&str, Decay)] = &[
     ("inverse", Decay::Inverse),
 ];
 
-/// The words of a switch, the index being that of [`Kind::Words`].
+/// The words of a switch, the index being that of [`SettingKind::Words`].
 const SWITCH: &[&str] = &["on", "off"];
 
 /// Applies several `KEY=VALUE`, in order.
@@ -77,29 +77,31 @@ pub fn is_key(key: &str) -> bool {
 #[must_use]
 pub fn text(setting: &Setting<16>, config: &Config<16>) -> String {
     match (setting.kind, setting.get(config)) {
-        (Kind::Number { format, .. }, Value::Number(number)) => number_text(format, number),
-        (Kind::Switch, Value::Number(on)) => word(SWITCH, 1 - on),
-        (Kind::Words(words), Value::Number(index)) => word(words, index),
+        (SettingKind::Number { format, .. }, Value::Number(number)) => number_text(format, number),
+        (SettingKind::Switch, Value::Number(on)) => word(SWITCH, 1 - on),
+        (SettingKind::Words(words), Value::Number(index)) => word(words, index),
         (_, Value::Number(bits)) => disabled_text(Mask::from_bits(bits.cast_unsigned())),
         (_, Value::Schedule(schedule)) => schedule_text(schedule),
         (_, Value::Wander(wander)) => wander_text(wander),
     }
 }
 
-fn parse(kind: Kind, text: &str) -> Result<Value, String> {
+fn parse(kind: SettingKind, text: &str) -> Result<Value, String> {
     match kind {
-        Kind::Number {
+        SettingKind::Number {
             format,
             least,
             greatest,
         } => number(format, least, greatest, text).map(Value::Number),
-        Kind::Switch => index(SWITCH, text).map(|index| Value::Number(1 - index)),
-        Kind::Words(words) => index(words, text).map(Value::Number),
-        Kind::Sensors => enabled(text).map(|mask| Value::Number(mask.to_bits().cast_signed())),
-        Kind::Schedule { greatest_q16 } => {
+        SettingKind::Switch => index(SWITCH, text).map(|index| Value::Number(1 - index)),
+        SettingKind::Words(words) => index(words, text).map(Value::Number),
+        SettingKind::Sensors => {
+            enabled(text).map(|mask| Value::Number(mask.to_bits().cast_signed()))
+        }
+        SettingKind::Schedule { greatest_q16 } => {
             schedule(text, f64::from(greatest_q16) / 65_536.0).map(Value::Schedule)
         }
-        Kind::Wander => wander(text).map(Value::Wander),
+        SettingKind::Wander => wander(text).map(Value::Wander),
     }
 }
 
@@ -249,7 +251,7 @@ fn disabled_text(mask: Mask) -> String {
 mod tests {
     use super::*;
     use amp::action_map::Recall;
-    use amp::config::Training;
+    use amp::config::MapTraining;
     use amp::som::Neighborhood;
 
     #[test]
@@ -316,7 +318,7 @@ mod tests {
     /// The two presets must not share a struct by accident: the literal one trains directly.
     #[test]
     fn the_presets_differ() {
-        let training: Training = Config::touzet().learning.situations;
+        let training: MapTraining = Config::touzet().learning.situations;
         assert_eq!(training.neighborhood, Neighborhood::Direct);
         assert_ne!(Config::touzet(), Config::recommended());
     }

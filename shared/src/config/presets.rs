@@ -1,8 +1,8 @@
 //! The presets for the Nomad 200: `touzet`, `recommended` and `probing`.
 
 use super::{
-    AtGoal, Config, Exploration, Initialization, LearnFrom, Learning, Online, PlannerKind,
-    Planning, SampleOrder, Subgoal, Training, Wander,
+    AtGoal, Config, Exploration, Initialization, LearnFrom, Learning, MapTraining, Online,
+    PlannerKind, Planning, SampleOrder, Subgoal, Wander,
 };
 use crate::action_map::{ActionCode, Recall};
 use crate::fixed::{Mask, Weight};
@@ -20,7 +20,7 @@ impl Config<16> {
     /// ahead at the goal. The ring is to turn with the heading.
     #[must_use]
     pub const fn touzet() -> Self {
-        let training = Training {
+        let training = MapTraining {
             neighborhood: Neighborhood::Direct,
             rate: Schedule::from_q16(ONE_Q16 / 2, ONE_Q16 / 20, Decay::Linear),
             radius: Schedule::constant(ONE_Q16 / 2),
@@ -111,7 +111,7 @@ impl Config<16> {
             learning: Learning {
                 start: Initialization::Plane,
                 augment_rotations: true,
-                actions: Training {
+                actions: MapTraining {
                     rate: Schedule::from_q16(ONE_Q16 / 2, ONE_Q16 / 100, Decay::Exponential),
                     radius: Schedule::from_q16(ONE_Q16, ONE_Q16 * 3 / 10, Decay::Linear),
                     ..literal.learning.actions

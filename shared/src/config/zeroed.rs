@@ -1,8 +1,8 @@
 //! The all-zero configuration of a node that has not been started.
 
 use super::{
-    AtGoal, Config, Exploration, Initialization, LearnFrom, Learning, Online, PlannerKind,
-    Planning, SampleOrder, Subgoal, Training,
+    AtGoal, Config, Exploration, Initialization, LearnFrom, Learning, MapTraining, Online,
+    PlannerKind, Planning, SampleOrder, Subgoal,
 };
 use crate::action_map::{ActionCode, Recall};
 use crate::fixed::{Mask, Weight};
@@ -16,7 +16,7 @@ impl<const SENSORS: usize> Config<SENSORS> {
     /// in zeroed memory.
     #[must_use]
     pub(crate) const fn zeroed() -> Self {
-        let training = Training {
+        let training = MapTraining {
             neighborhood: Neighborhood::Direct,
             rate: Schedule::constant(0),
             radius: Schedule::constant(0),

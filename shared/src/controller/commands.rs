@@ -1,6 +1,6 @@
 //! Commands, alarms and ticks: what changes the mode.
 
-use super::search::Search;
+use super::search::SearchProgress;
 use super::{Command, CommandRefusal, Mode, Outputs, State, StopReason};
 use crate::config::Config;
 use crate::units::Millis;
@@ -38,7 +38,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 Mode::Learn { step: 0 }
             }
             Command::Seek(goal) => {
-                self.search = Search::NEW;
+                self.search = SearchProgress::NEW;
                 Mode::Seek { goal }
             }
             Command::Stop => {
@@ -47,14 +47,18 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 let motion = stopped.motion.or(Some(self.standing()));
                 return Outputs { motion, ..stopped };
             }
-            Command::Resume => match (self.mode, self.interrupted) {
-                (Mode::Stopped(_), interrupted @ (Mode::Explore { .. } | Mode::Seek { .. })) => {
-                    interrupted
-                }
-                _ => return refused(CommandRefusal::NothingToResume),
-            },
+            Command::Resume if self.can_resume() => self.interrupted,
+            Command::Resume => return refused(CommandRefusal::NothingToResume),
         };
         self.enter(at, mode)
+    }
+
+    /// Whether a stop interrupted something.
+    const fn can_resume(&self) -> bool {
+        matches!(
+            (&self.mode, &self.interrupted),
+            (Mode::Stopped(_), Mode::Explore { .. } | Mode::Seek { .. })
+        )
     }
 
     /// Stands still and stores the interrupted mode for [`Command::Resume`].

@@ -1,7 +1,7 @@
 //! A decision: a complete ring and a standing base become a random move or a step towards the goal.
 
 use super::motion::Pending;
-use super::search::Search;
+use super::search::SearchProgress;
 use super::tracked::Tracked;
 use super::{Decision, Mode, Motion, Outputs, State, StopReason};
 use crate::action_map::Effect;
@@ -11,9 +11,10 @@ use crate::goal::{Goal, GoalFrame, cost_of};
 use crate::memory::{self, Sample};
 use crate::planner::{NEXT_COURSE, Plan, Planner, Why};
 use crate::scan::{Aligned, Situation, rotated};
+use crate::shield::Allowed;
 use crate::som::Neighborhood;
 use crate::som::Update;
-use crate::units::{Bearing, Displacement, Millis};
+use crate::units::{Bearing, Direction, Displacement, Millis};
 
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     State<SENSORS, NEURONS, SAMPLES>
@@ -98,25 +99,35 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         if config.planning.planner != PlannerKind::Recall {
             self.actions.keep_products();
         }
-        let mut allowed = Mask::ALL;
-        if self.inhibited_mut().next().is_some() {
-            let inhibited = self.inhibited.iter().enumerate();
-            for (neuron, _) in inhibited.filter(|(_, left)| **left > 0) {
-                allowed = allowed.without(neuron);
-            }
-        }
-        // Borrowed: a copy would be expensive.
-        let Mode::Seek { goal } = &self.mode else {
+        let Some((plan, facing)) = self.plan_step(config, enabled, &situation.0, current, cut)
+        else {
             return Outputs::none();
         };
-        let wandering = wandering_goal(
-            config,
-            enabled,
-            &situation.0,
-            goal,
-            &mut self.search,
-            &mut self.course,
-        );
+        let outputs = self.start_motion(config, now, situation, plan.action, Some(&plan));
+        if let Some(direction) = facing {
+            let (x, y) = direction.times(i32::from(config.robot.step_mm));
+            self.course = Tracked::new(Displacement::saturating(x, y));
+        }
+        outputs
+    }
+
+    /// Plans one step towards the goal, or away from it while the robot wanders; with the direction
+    /// that the robot keeps facing while it follows something.
+    fn plan_step(
+        &mut self,
+        config: &Config<SENSORS>,
+        enabled: Mask,
+        situation: &Situation<SENSORS>,
+        current: Option<usize>,
+        cut: bool,
+    ) -> Option<(Plan<SENSORS>, Option<Direction>)> {
+        let allowed = self.allowed_neurons();
+        // Borrowed: a copy would be expensive.
+        let Mode::Seek { goal } = &self.mode else {
+            return None;
+        };
+        let (search, course) = (&mut self.search, &mut self.course);
+        let wandering = wandering_goal(config, enabled, situation, goal, search, course);
         if wandering.is_some() {
             self.last_plan.forget_cost();
         }
@@ -131,7 +142,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             cut,
         };
         let goal = wandering.as_ref().unwrap_or(goal);
-        let mut plan = planner.plan_next(&situation.0, goal, &mut self.last_plan);
+        let mut plan = planner.plan_next(situation, goal, &mut self.last_plan);
         let travel = self.last_plan.travel();
         if wandering.is_some() {
             self.last_plan.forget_cost();
@@ -140,12 +151,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
         // A robot that backs away from what it follows keeps facing it.
         let keeps_facing = goal.frame == GoalFrame::Travel && goal.progress_q16 == 0;
-        let outputs = self.start_motion(config, now, situation, plan.action, Some(&plan));
-        if let Some(direction) = config.robot.directions.get(travel).filter(|_| keeps_facing) {
-            let (x, y) = direction.times(i32::from(config.robot.step_mm));
-            self.course = Tracked::new(Displacement::saturating(x, y));
-        }
-        outputs
+        let facing = config.robot.directions.get(travel).copied();
+        Some((plan, facing.filter(|_| keeps_facing)))
     }
 
     /// The inhibited neurons and up to three others beside each; mostly none.
@@ -153,6 +160,18 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let (fours, rest) = self.inhibited.as_chunks_mut::<4>();
         let fours = fours.iter_mut().filter(|four| **four != [0; 4]);
         fours.flatten().chain(rest)
+    }
+
+    /// The action neurons that are not inhibited.
+    fn allowed_neurons(&mut self) -> Mask {
+        let mut allowed = Mask::ALL;
+        if self.inhibited_mut().next().is_some() {
+            let inhibited = self.inhibited.iter().enumerate();
+            for (neuron, _) in inhibited.filter(|(_, left)| **left > 0) {
+                allowed = allowed.without(neuron);
+            }
+        }
+        allowed
     }
 
     /// A move cut below half inhibits the neuron that asked for it.
@@ -180,35 +199,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         after: &Situation<SENSORS>,
     ) -> Option<usize> {
         let online = config.online?;
-        let pending = self.pending.as_ref()?;
-        let taught = match config.learning.learn_from {
-            LearnFrom::Commanded => pending.commanded,
-            LearnFrom::Executed => pending.executed,
-        };
-        // Both lie in [0, 1].
-        let mut change = *after;
-        for (value, before) in change.iter_mut().zip(&pending.before.0) {
-            *value = value.wrapping_sub(*before);
-        }
-        // The moves of a behavior are one-sided. Rotated by random ring steps they update every
-        // direction, as the random moves did.
-        let turns = config.learning.augment_rotations
-            && config.robot.symmetric
-            && enabled.covers(SENSORS)
-            && config.planning.planner != PlannerKind::Recall;
-        let places = if turns { self.below(SENSORS as u32) } else { 0 } as usize;
-        let turned = match config.robot.directions.get(places) {
-            Some(direction) if places > 0 => taught.rotated(*direction),
-            _ => taught,
-        };
-        if places > 0 {
-            change = rotated(&change, places);
-        }
-        let effect = Effect {
-            change,
-            action: config.action_code.encode(turned, config.robot.step_mm),
-            mask: enabled,
-        };
+        let effect = self.last_effect(config, enabled, after)?;
         let halvings = self.halvings();
         let update =
             |rate: u32| Update::from_q16(Neighborhood::Direct, rate >> halvings, online.share_q16);
@@ -229,6 +220,68 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         (online.share_q16 == 0).then_some(winner)
     }
 
+    /// The last move and the change it brought, rotated by random ring steps if so configured.
+    fn last_effect(
+        &mut self,
+        config: &Config<SENSORS>,
+        enabled: Mask,
+        after: &Situation<SENSORS>,
+    ) -> Option<Effect<SENSORS>> {
+        let pending = self.pending.as_ref()?;
+        let action = match config.learning.learn_from {
+            LearnFrom::Commanded => pending.commanded,
+            LearnFrom::Executed => pending.executed,
+        };
+        // Both lie in [0, 1].
+        let mut change = *after;
+        for (value, before) in change.iter_mut().zip(&pending.before.0) {
+            *value = value.wrapping_sub(*before);
+        }
+        // The moves of a behavior are one-sided. Rotated by random ring steps they update every
+        // direction, as the random moves did.
+        let augments = config.learning.augment_rotations
+            && config.robot.symmetric
+            && enabled.covers(SENSORS)
+            && config.planning.planner != PlannerKind::Recall;
+        let steps = if augments {
+            self.below(SENSORS as u32)
+        } else {
+            0
+        } as usize;
+        let action = match config.robot.directions.get(steps) {
+            Some(direction) if steps > 0 => action.rotated(*direction),
+            _ => action,
+        };
+        if steps > 0 {
+            change = rotated(&change, steps);
+        }
+        Some(Effect {
+            change,
+            action: config.action_code.encode(action, config.robot.step_mm),
+            mask: enabled,
+        })
+    }
+
+    /// The motion wanted, a first step aside or (for a planned motion) a detour, and how much of it
+    /// the shield allows.
+    fn limit_motion(
+        &self,
+        config: &Config<SENSORS>,
+        now: Millis,
+        wanted: Displacement,
+        planned: bool,
+    ) -> (Displacement, Allowed) {
+        let enabled = self.enabled(config);
+        let side_step = self.shield.step_aside(config, enabled, wanted, now);
+        side_step.unwrap_or_else(|| {
+            if planned {
+                (self.shield).detour(config, enabled, wanted, now, self.blocked)
+            } else {
+                (wanted, self.shield.allow(config, enabled, wanted, now))
+            }
+        })
+    }
+
     /// Starts a motion, as far as the shield allows.
     fn start_motion(
         &mut self,
@@ -238,12 +291,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         wanted: Displacement,
         plan: Option<&Plan<SENSORS>>,
     ) -> Outputs<SENSORS> {
-        let enabled = self.enabled(config);
-        let side_step = self.shield.step_aside(config, enabled, wanted, now);
-        let (wanted, limit) = side_step.unwrap_or_else(|| match plan {
-            Some(_) => (self.shield).detour(config, enabled, wanted, now, self.blocked),
-            None => (wanted, self.shield.allow(config, enabled, wanted, now)),
-        });
+        let (wanted, limit) = self.limit_motion(config, now, wanted, plan.is_some());
         let allowed = if wanted.is_shorter_than(u32::from(limit.distance_mm).wrapping_add(1)) {
             wanted
         } else {
@@ -296,7 +344,7 @@ fn wandering_goal<const SENSORS: usize>(
     enabled: Mask,
     situation: &Situation<SENSORS>,
     goal: &Goal<SENSORS>,
-    search: &mut Search,
+    search: &mut SearchProgress,
     course: &mut Tracked,
 ) -> Option<Goal<SENSORS>> {
     let wander = config.planning.wander?;
@@ -307,7 +355,7 @@ fn wandering_goal<const SENSORS: usize>(
     let asked = || goal.asked(0, enabled);
     let deviation = cost_of(asked(), values, goal.cap_bits(), i64::MAX);
     if goal.is_met_by(deviation, asked()) {
-        *search = Search::NEW;
+        *search = SearchProgress::NEW;
     } else if search.is_stuck(deviation, wander) {
         let onward = course.now().with_length(config.robot.step_mm);
         *course = Tracked::new(onward.rotated(NEXT_COURSE.direction()));

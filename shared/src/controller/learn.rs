@@ -2,7 +2,7 @@
 
 use super::State;
 use crate::action_map::Effect;
-use crate::config::{Config, Initialization, LearnFrom, SampleOrder, Training};
+use crate::config::{Config, Initialization, LearnFrom, MapTraining, SampleOrder};
 use crate::fixed::{Mask, Weight, unit_weight};
 use crate::memory::{Sample, turned_change};
 use crate::scan::Situation;
@@ -98,7 +98,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             .saturating_add(u32::from(slice.max(1)))
             .min(renewed.saturating_add(RENEWAL))
             .min(steps);
-        let pull = |training: &Training| {
+        let pull = |training: &MapTraining| {
             let (rate, radius) = (
                 training.rate.at(renewed, steps),
                 training.radius.at(renewed, steps),

@@ -176,7 +176,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.course = Tracked::ZERO;
         self.inhibited = [0; NEURONS];
         self.last_plan = Memo::NONE;
-        self.search = super::Search::NEW;
+        self.search = super::SearchProgress::NEW;
     }
 }
 

@@ -4,7 +4,7 @@ use crate::config::Wander;
 
 /// How the search for a place goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Search {
+pub(super) struct SearchProgress {
     /// Least deviation since the last wandering, if there was a decision.
     nearest: i64,
     begun: bool,
@@ -14,7 +14,7 @@ pub(super) struct Search {
     left: u8,
 }
 
-impl Search {
+impl SearchProgress {
     /// Nothing tried yet.
     pub(super) const NEW: Self = Self {
         nearest: 0,
@@ -66,7 +66,7 @@ mod tests {
 
     #[test]
     fn a_robot_that_comes_no_nearer_wanders_for_a_while() {
-        let mut search = Search::NEW;
+        let mut search = SearchProgress::NEW;
         let approach = [1_000, 900, 899, 898].map(|d| search.is_stuck(d, WANDER));
         assert_eq!(approach, [false; 4]);
         assert!(search.is_stuck(897, WANDER) && search.wanders());
@@ -80,14 +80,14 @@ mod tests {
 
     #[test]
     fn coming_nearer_is_never_stuck() {
-        let mut search = Search::NEW;
+        let mut search = SearchProgress::NEW;
         assert!((0..30).all(|step| !search.is_stuck(1_000_000 >> (step / 2), WANDER)));
     }
 
     #[test]
     fn nearer_is_nearer_by_a_fiftieth() {
         let stuck = |second: i64| {
-            let mut search = Search::NEW;
+            let mut search = SearchProgress::NEW;
             [1_000, second, second, second].map(|d| search.is_stuck(d, WANDER))
         };
         assert_eq!(stuck(980), [false, false, false, true]);
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn who_may_not_wander_is_never_stuck() {
-        let mut search = Search::NEW;
+        let mut search = SearchProgress::NEW;
         let still = Wander {
             patience: 0,
             moves: 0,

@@ -2,11 +2,11 @@
 
 use super::*;
 
-/// A range with [`Reading::LEAST`] added, or silence, or nothing yet.
+/// A range with [`RangeReading::LEAST`] added, or silence, or nothing yet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Reading(pub(super) u16);
+pub(super) struct RangeReading(pub(super) u16);
 
-impl Reading {
+impl RangeReading {
     pub(super) const UNKNOWN: Self = Self(0);
     pub(super) const SILENCE: Self = Self(1);
     pub(super) const LEAST: u16 = 2;
@@ -36,24 +36,24 @@ impl Reading {
 
 /// What is known of one transducer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Record {
+pub(super) struct SensorRecord {
     /// The latest reading.
-    pub(super) latest: Reading,
+    pub(super) latest: RangeReading,
     /// The reading at the last look, those of the neighbors, and the odometer there.
-    pub(super) looked: Reading,
-    pub(super) sides: [Reading; 2],
+    pub(super) looked: RangeReading,
+    pub(super) sides: [RangeReading; 2],
     pub(super) x_mm: i16,
     pub(super) y_mm: i16,
     pub(super) scores: Scores,
 }
 
-const _: () = assert!(size_of::<Record>() <= 16);
+const _: () = assert!(size_of::<SensorRecord>() <= 16);
 
-impl Record {
+impl SensorRecord {
     pub(super) const NEW: Self = Self {
-        latest: Reading::UNKNOWN,
-        looked: Reading::UNKNOWN,
-        sides: [Reading::UNKNOWN; 2],
+        latest: RangeReading::UNKNOWN,
+        looked: RangeReading::UNKNOWN,
+        sides: [RangeReading::UNKNOWN; 2],
         x_mm: 0,
         y_mm: 0,
         scores: Scores {
@@ -68,7 +68,7 @@ impl Record {
 /// How a transducer is looked at.
 pub(super) struct Look {
     /// The neighbors' latest readings, where they are not in doubt.
-    pub(super) sides: [Reading; 2],
+    pub(super) sides: [RangeReading; 2],
     /// Way since the look before, millimeters.
     pub(super) way: i32,
     /// The robot has not been here before.
@@ -89,14 +89,14 @@ impl Look {
     }
 }
 
-impl Record {
+impl SensorRecord {
     pub(super) fn look(&mut self, look: &Look) {
         let now = self.latest;
         let before = core::mem::replace(&mut self.looked, now);
         let sides_before = core::mem::replace(&mut self.sides, look.sides);
         let others = core::iter::zip(look.sides, sides_before);
         let all_other = others.fold(true, |all, (now, then)| all && now.is_other_than(then));
-        let [left, right] = look.sides.map(Reading::range_mm);
+        let [left, right] = look.sides.map(RangeReading::range_mm);
         self.listen(look, left.zip(right).map(|(left, right)| left.max(right)));
         let Some(now) = now.range_mm() else {
             // A transducer stuck at a range is never silent.
@@ -114,7 +114,7 @@ impl Record {
     /// Dead or not, where the farther of both neighbors hears something at this range.
     fn listen(&mut self, look: &Look, farther: Option<u16>) {
         let silent = &mut self.scores.silent;
-        if self.latest != Reading::SILENCE {
+        if self.latest != RangeReading::SILENCE {
             // A dead transducer never hears anything.
             *silent = if look.doubted {
                 silent.saturating_sub(ECHO_WEIGHT)

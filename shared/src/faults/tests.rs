@@ -330,20 +330,20 @@ fn the_detector_takes_308_bytes() {
     assert_eq!(size_of::<Detector<16>>(), 308);
 }
 
-fn said(mm: Option<u16>) -> Reading {
-    Reading::new(mm.map(Range::from_mm))
+fn said(mm: Option<u16>) -> RangeReading {
+    RangeReading::new(mm.map(Range::from_mm))
 }
 
 #[test]
 fn two_words_differ_by_a_tenth_of_a_meter_or_by_silence() {
-    let is_other = |a: Reading, b: Reading| a.is_other_than(b);
+    let is_other = |a: RangeReading, b: RangeReading| a.is_other_than(b);
     assert!(
         is_other(said(Some(500)), said(Some(600))) && is_other(said(Some(600)), said(Some(500)))
     );
     assert!(!is_other(said(Some(500)), said(Some(599))));
     assert!(is_other(said(None), said(Some(500))) && !is_other(said(None), said(None)));
     for known in [said(None), said(Some(500))] {
-        assert!(!is_other(Reading::UNKNOWN, known) && !is_other(known, Reading::UNKNOWN));
+        assert!(!is_other(RangeReading::UNKNOWN, known) && !is_other(known, RangeReading::UNKNOWN));
     }
     assert_eq!(
         (said(Some(0)).range_mm(), said(None).range_mm()),
@@ -353,12 +353,12 @@ fn two_words_differ_by_a_tenth_of_a_meter_or_by_silence() {
 
 /// A record that has been told these words, after a look with everybody in order.
 fn looked(before: Option<u16>, scores: Scores, now: Option<u16>, look: &Look) -> Scores {
-    let mut record = Record {
+    let mut record = SensorRecord {
         latest: said(now),
         looked: said(before),
         sides: [said(Some(5_000)); 2],
         scores,
-        ..Record::NEW
+        ..SensorRecord::NEW
     };
     record.look(look);
     record.scores
@@ -367,8 +367,8 @@ fn looked(before: Option<u16>, scores: Scores, now: Option<u16>, look: &Look) ->
 /// 200 mm on, at a new place, where both neighbors say something else than before.
 const NEW: Look = Look {
     sides: [
-        Reading(2_000 + Reading::LEAST),
-        Reading(2_100 + Reading::LEAST),
+        RangeReading(2_000 + RangeReading::LEAST),
+        RangeReading(2_100 + RangeReading::LEAST),
     ],
     way: 200,
     is_new: true,

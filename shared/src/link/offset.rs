@@ -116,13 +116,13 @@ mod tests {
 
     /// A host whose clock runs `ppm` fast and was set by `step_ms`, heard every 100 ms after 3 to
     /// 20 ms on the way.
-    struct Host {
+    struct FakeHost {
         ppm: i64,
         step_ms: i64,
         window: OffsetWindow,
     }
 
-    impl Host {
+    impl FakeHost {
         fn new(ppm: i64) -> Self {
             let window = OffsetWindow::new();
             Self {
@@ -165,7 +165,7 @@ mod tests {
     #[test]
     fn clocks_that_drift_by_200_ppm_for_a_day_make_no_frame_old() {
         for ppm in [-200, 200] {
-            let mut host = Host::new(ppm);
+            let mut host = FakeHost::new(ppm);
             // 17 ms more than the promptest on the way, 12 ms of drift in the window.
             let oldest = host.run(0, DAY_MS);
             assert!(oldest <= 30, "{ppm} ppm: {oldest} ms");
@@ -179,7 +179,7 @@ mod tests {
     #[test]
     fn a_clock_set_forward_makes_no_frame_old() {
         for step_ms in [1_000, HOUR_MS] {
-            let mut host = Host::new(0);
+            let mut host = FakeHost::new(0);
             host.run(0, 120_000);
             host.step_ms = step_ms;
             assert!(host.run(120_000, 300_000) <= 20, "{step_ms}");
@@ -189,7 +189,7 @@ mod tests {
     #[test]
     fn a_clock_set_back_makes_frames_old_for_a_minute_at_most() {
         for step_ms in [1_000, HOUR_MS] {
-            let mut host = Host::new(0);
+            let mut host = FakeHost::new(0);
             host.run(0, 120_000);
             host.step_ms = -step_ms;
             let oldest = i64::from(host.run(120_000, 180_100));
@@ -200,7 +200,7 @@ mod tests {
 
     #[test]
     fn one_frame_from_the_future_counts_for_nothing() {
-        let mut host = Host::new(0);
+        let mut host = FakeHost::new(0);
         host.run(0, 5_000);
         for number in 0..50 {
             host.step_ms = 60_000;
@@ -209,7 +209,7 @@ mod tests {
             assert!(host.frame(5_100 + 200 * number, 3) <= 20);
         }
         // Nor does the very first one.
-        let mut host = Host::new(0);
+        let mut host = FakeHost::new(0);
         host.step_ms = 60_000;
         assert_eq!(host.frame(0, 3), 0);
         host.step_ms = 0;
@@ -218,7 +218,7 @@ mod tests {
 
     #[test]
     fn a_delayed_frame_is_old_by_its_delay() {
-        let mut host = Host::new(0);
+        let mut host = FakeHost::new(0);
         host.run(0, 20_000);
         // The window's least is that of two frames in a row: 3 and 10 ms.
         assert_eq!(host.frame(20_000, 1_510), 1_500);

@@ -1,7 +1,7 @@
 //! Frames on their way out: decisions, motions, notices and answers.
 
 use super::{FrameSink, MOTION_TTL_MS, Node, RENEWAL_MS, Underway, add};
-use crate::controller::Outputs;
+use crate::controller::{Motion, Outputs};
 use crate::units::Millis;
 use crate::wire::frame::{Frame, Header};
 use crate::wire::message::{Counters, FromMind, ModeReport, MotionOrder, Notice, Refusal, Report};
@@ -33,26 +33,31 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             self.send(FromMind::Decision(decision), now, out);
         }
         if let Some(motion) = outputs.motion {
-            let revision = match self.underway {
-                Some(underway) if underway.order.id == motion.id => {
-                    underway.order.revision.wrapping_add(1)
-                }
-                _ => 0,
-            };
-            let order = MotionOrder {
-                id: motion.id,
-                revision,
-                dx_mm: motion.displacement.dx_mm,
-                dy_mm: motion.displacement.dy_mm,
-                speed_mm_s: motion.speed_mm_s,
-                ttl_ms: MOTION_TTL_MS,
-            };
+            let order = self.motion_order(motion);
             self.underway = Some(Underway { order, sent: at });
             self.order(order, now, out);
         }
         if outputs.mode_changed {
             let mode = ModeReport::from(self.state.mode());
             self.send(FromMind::Mode(mode), now, out);
+        }
+    }
+
+    /// The order for a motion: a shortened motion keeps its number and gets the next revision.
+    fn motion_order(&self, motion: Motion) -> MotionOrder {
+        let revision = match self.underway {
+            Some(underway) if underway.order.id == motion.id => {
+                underway.order.revision.wrapping_add(1)
+            }
+            _ => 0,
+        };
+        MotionOrder {
+            id: motion.id,
+            revision,
+            dx_mm: motion.displacement.dx_mm,
+            dy_mm: motion.displacement.dy_mm,
+            speed_mm_s: motion.speed_mm_s,
+            ttl_ms: MOTION_TTL_MS,
         }
     }
 

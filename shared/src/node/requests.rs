@@ -13,7 +13,7 @@ use crate::wire::message::{
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     Node<SENSORS, NEURONS, SAMPLES>
 {
-    /// Does what an accepted frame asks for.
+    /// Does what an accepted frame asks for, and answers it.
     pub(super) fn request(
         &mut self,
         seq: u16,
@@ -21,17 +21,39 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         now: Millis,
         out: &mut impl FrameSink,
     ) {
-        let answered = !matches!(message, ToMind::Alive { .. });
-        let result = match *message {
-            ToMind::Hello(_) => Ok(()),
+        let result = if let ToMind::Flash(what) = *message {
+            self.link.heard_timeless(now);
+            let requested = self.request_flash(seq, what);
+            if requested.is_ok() {
+                // `flash_done` answers.
+                return;
+            }
+            requested
+        } else {
+            self.carry_out(message, now, out)
+        };
+        if let Err(why) = result {
+            self.refuse(seq, why, now, out);
+        }
+        if !matches!(message, ToMind::Alive { .. }) {
+            self.done(seq, now, out);
+            self.reply_cache.finish();
+        }
+    }
+
+    fn carry_out(
+        &mut self,
+        message: &ToMind<SENSORS>,
+        now: Millis,
+        out: &mut impl FrameSink,
+    ) -> Result<(), Refusal> {
+        match *message {
             ToMind::Alive { at_ms } => {
                 self.hear_of(at_ms, now, out);
-                Ok(())
             }
             ToMind::Scan { at_ms, ref echoes } => {
                 let at = self.hear_of(at_ms, now, out);
                 self.scan(at, echoes, now, out);
-                Ok(())
             }
             ToMind::Odometry {
                 at_ms,
@@ -49,7 +71,6 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                     progress,
                 };
                 self.dispatch(at, event, now, out);
-                Ok(())
             }
             ToMind::Command {
                 at_ms,
@@ -57,28 +78,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 ref order,
             } => {
                 let at = self.hear_of(at_ms, now, out);
-                self.command(at_ms, at, ttl_ms, order, now, out)
-            }
-            ToMind::Flash(what) => {
-                self.link.heard_timeless(now);
-                match self.request_flash(seq, what) {
-                    // Answered when it has been done.
-                    Ok(()) => return,
-                    refused => refused,
-                }
+                return self.command(at_ms, at, ttl_ms, order, now, out);
             }
             ref question => {
                 self.link.heard_timeless(now);
-                self.answer(question, now, out)
+                return self.answer(question, now, out);
             }
-        };
-        if let Err(why) = result {
-            self.refuse(seq, why, now, out);
         }
-        if answered {
-            self.done(seq, now, out);
-            self.reply_cache.finish();
-        }
+        Ok(())
     }
 
     /// Answers a request that does not reach the controller.

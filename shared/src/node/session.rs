@@ -41,38 +41,32 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
         // A stop acts in every session, with every number and time. If it repeats the last frame,
         // that frame's cached answer holds the order to stand already.
-        let is_stop = matches!(
-            message,
-            ToMind::Command {
-                order: Order::Stop,
-                ..
-            }
-        );
+        let is_stop = is_stop(message);
         let is_answered = verdict == FrameVerdict::Replayed { last: true }
             && matches!(self.state.mode(), Mode::Stopped(_))
             && self.reply_cache.frames().next().is_some();
         if is_stop && !is_answered {
             self.stop(now, out);
         }
+        let seq = header.seq;
         match verdict {
-            FrameVerdict::Accept => self.request(header.seq, message, now, out),
+            FrameVerdict::Accept => self.request(seq, message, now, out),
             FrameVerdict::Replayed { last } => {
                 add(&mut self.counters.replayed);
                 if last && !matches!(message, ToMind::Alive { .. }) {
-                    self.resend(header.seq, now, out);
+                    self.resend(seq, now, out);
                 } else if is_stop {
-                    self.done(header.seq, now, out);
+                    self.done(seq, now, out);
                 }
             }
-            FrameVerdict::NoSession | FrameVerdict::Stranger if is_stop => {
+            FrameVerdict::NoSession | FrameVerdict::Stranger => {
                 add(&mut self.counters.strangers);
-                self.done(header.seq, now, out);
+                if is_stop {
+                    self.done(seq, now, out);
+                } else if verdict == FrameVerdict::NoSession {
+                    self.refuse(seq, Refusal::NoSession, now, out);
+                }
             }
-            FrameVerdict::NoSession => {
-                add(&mut self.counters.strangers);
-                self.refuse(header.seq, Refusal::NoSession, now, out);
-            }
-            FrameVerdict::Stranger => add(&mut self.counters.strangers),
         }
     }
 
@@ -131,4 +125,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         };
         self.send(FromMind::Hello(hello), now, out);
     }
+}
+
+const fn is_stop<const SENSORS: usize>(message: &ToMind<SENSORS>) -> bool {
+    matches!(
+        message,
+        ToMind::Command {
+            order: Order::Stop,
+            ..
+        }
+    )
 }

@@ -34,7 +34,7 @@ pub struct Setting<const SENSORS: usize> {
     /// What it means and what it takes.
     pub help: &'static str,
     /// What its values are.
-    pub kind: Kind,
+    pub kind: SettingKind,
     access: Access<SENSORS>,
 }
 
@@ -52,7 +52,7 @@ enum Access<const SENSORS: usize> {
 
 /// What the values of a setting are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum SettingKind {
     /// A number within a range, both ends included.
     Number {
         /// What 1 stands for.
@@ -101,9 +101,9 @@ pub enum NumberFormat {
 pub enum Value {
     /// Of every kind but the following two.
     Number(i32),
-    /// Of [`Kind::Schedule`].
+    /// Of [`SettingKind::Schedule`].
     Schedule(Schedule),
-    /// Of [`Kind::Wander`].
+    /// Of [`SettingKind::Wander`].
     Wander(Option<Wander>),
 }
 
@@ -119,7 +119,7 @@ impl core::fmt::Display for NotTaken {
 
 impl core::error::Error for NotTaken {}
 
-impl Kind {
+impl SettingKind {
     /// Whether a setting of this kind takes the value.
     #[must_use]
     pub fn takes(self, value: Value) -> bool {
@@ -232,21 +232,21 @@ mod tests {
         assert!(Row::find("").is_none());
     }
 
-    fn ends(kind: Kind) -> [Value; 2] {
+    fn ends(kind: SettingKind) -> [Value; 2] {
         let schedule = |start| Value::Schedule(Schedule::from_q16(start, 0, Decay::Inverse));
         let wander = |count| Wander {
             patience: count,
             moves: count,
         };
         match kind {
-            Kind::Number {
+            SettingKind::Number {
                 least, greatest, ..
             } => [least, greatest].map(Value::Number),
-            Kind::Switch => [0, 1].map(Value::Number),
-            Kind::Words(words) => [0, words.len() as i32 - 1].map(Value::Number),
-            Kind::Sensors => [0, -1].map(Value::Number),
-            Kind::Schedule { greatest_q16 } => [schedule(0), schedule(greatest_q16)],
-            Kind::Wander => [Value::Wander(None), Value::Wander(Some(wander(255)))],
+            SettingKind::Switch => [0, 1].map(Value::Number),
+            SettingKind::Words(words) => [0, words.len() as i32 - 1].map(Value::Number),
+            SettingKind::Sensors => [0, -1].map(Value::Number),
+            SettingKind::Schedule { greatest_q16 } => [schedule(0), schedule(greatest_q16)],
+            SettingKind::Wander => [Value::Wander(None), Value::Wander(Some(wander(255)))],
         }
     }
 
@@ -268,15 +268,15 @@ mod tests {
 
     #[test]
     fn a_value_beyond_the_range_or_of_another_kind_is_not_taken() {
-        let beyond = |kind: Kind| match kind {
-            Kind::Number { greatest, .. } => Value::Number(greatest.saturating_add(1)),
-            Kind::Switch => Value::Number(2),
-            Kind::Words(words) => Value::Number(words.len() as i32),
-            Kind::Sensors => Value::Wander(None),
-            Kind::Schedule { greatest_q16 } => {
+        let beyond = |kind: SettingKind| match kind {
+            SettingKind::Number { greatest, .. } => Value::Number(greatest.saturating_add(1)),
+            SettingKind::Switch => Value::Number(2),
+            SettingKind::Words(words) => Value::Number(words.len() as i32),
+            SettingKind::Sensors => Value::Wander(None),
+            SettingKind::Schedule { greatest_q16 } => {
                 Value::Schedule(Schedule::constant(greatest_q16 + 1))
             }
-            Kind::Wander => Value::Number(0),
+            SettingKind::Wander => Value::Number(0),
         };
         for row in Row::ALL {
             let mut config = Config::recommended();

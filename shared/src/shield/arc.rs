@@ -76,7 +76,7 @@ impl Arc {
 
     /// How far its nearest point that still counts is from the robot, as the square of half the
     /// distance; the greatest for no arc. What is below `limit` may be less.
-    pub(super) fn half_distance_squared(&self, lobe: &Lobe, limit: u32) -> u32 {
+    pub(super) fn half_distance_squared(&self, lobe: &LobeShape, limit: u32) -> u32 {
         const AHEAD: Direction = Direction {
             x_q14: 1 << 14,
             y_q14: 0,
@@ -103,13 +103,13 @@ impl Arc {
 
 /// The opening of a transducer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Lobe {
+pub(super) struct LobeShape {
     pub(super) half: Bearing,
     /// Towards the points of an arc, relative to the axis, from its right end to its left.
     towards: [Direction; POINTS],
 }
 
-impl Lobe {
+impl LobeShape {
     /// Half a lobe is at most a right angle.
     pub(super) fn of(half: Bearing) -> Self {
         const MIDDLE: i32 = POINTS as i32 / 2;
@@ -181,7 +181,7 @@ impl ArcView {
     }
 
     /// A point is the middle, turned about the face by at most half the lobe.
-    pub(super) fn bounds(&self, lobe: &Lobe) -> Extent {
+    pub(super) fn bounds(&self, lobe: &LobeShape) -> Extent {
         let (cos, sin) = lobe.edge_q14();
         let (along, aside) = self.middle();
         let turned = |inward: i32, sideward: i32| {
@@ -199,7 +199,7 @@ impl ArcView {
     }
 
     /// Its points with their numbers.
-    pub(super) fn points(&self, lobe: &Lobe) -> impl Iterator<Item = (usize, (i32, i32))> {
+    pub(super) fn points(&self, lobe: &LobeShape) -> impl Iterator<Item = (usize, (i32, i32))> {
         let (along, aside) = self.face;
         lobe.towards
             .iter()

@@ -5,7 +5,7 @@
 //! echo, so a point is dropped after [`CONTRADICTIONS`] of them.
 
 use super::ShieldConfig;
-use super::arc::{Arc, ArcView, BEFORE, Lobe, POINTS, magnitude, nearest_mm};
+use super::arc::{Arc, ArcView, BEFORE, LobeShape, POINTS, magnitude, nearest_mm};
 use crate::scan::Echo;
 use crate::units::{Direction, Displacement, Millis, Range};
 
@@ -81,7 +81,7 @@ impl Cone {
 
     /// Drops an arc heard in nearly this direction through the same cone, unless this echo comes
     /// from farther away; counts what it contradicts of others.
-    pub(super) fn look(&self, limits: &ShieldConfig, lobe: &Lobe, arc: &mut Arc) {
+    pub(super) fn look(&self, limits: &ShieldConfig, lobe: &LobeShape, arc: &mut Arc) {
         let Some(range) = arc.range.filter(|_| !self.at.is_before(arc.at)) else {
             return;
         };
@@ -96,7 +96,13 @@ impl Cone {
     }
 
     /// Counts the contradictions of an arc of another cone.
-    pub(super) fn look_at(&self, limits: &ShieldConfig, lobe: &Lobe, arc: &mut Arc, range_mm: i32) {
+    pub(super) fn look_at(
+        &self,
+        limits: &ShieldConfig,
+        lobe: &LobeShape,
+        arc: &mut Arc,
+        range_mm: i32,
+    ) {
         let (x, y) = arc.face_mm();
         if nearest_mm((x, y), range_mm) > FARTHEST_MM {
             return;
@@ -127,7 +133,7 @@ impl Cone {
 
     /// Whether a point of an arc can lie in the empty part of the cone: a quick test that spares
     /// most arcs the test of each point.
-    fn may_contain(&self, lobe: &Lobe, seen: &ArcView) -> bool {
+    fn may_contain(&self, lobe: &LobeShape, seen: &ArcView) -> bool {
         let (along, aside) = seen.middle();
         if magnitude(along) > FARTHEST_MM || magnitude(aside) > FARTHEST_MM {
             return false;
@@ -139,7 +145,7 @@ impl Cone {
     }
 
     /// Whether a point along the cone's axis and aside of it lies in the empty part.
-    fn contains(&self, lobe: &Lobe, (along, aside): (i32, i32), aside_mm: i32) -> bool {
+    fn contains(&self, lobe: &LobeShape, (along, aside): (i32, i32), aside_mm: i32) -> bool {
         // Inside the lobe the distance is at most the sum of both.
         let aside = aside.wrapping_abs();
         if along <= 0 || !self.is_beyond(along.wrapping_add(aside >> 2)) {

@@ -2,7 +2,7 @@
 //! margin.
 
 use super::ShieldConfig;
-use super::arc::{Arc, ArcView, BEFORE, Lobe, magnitude, nearest_mm};
+use super::arc::{Arc, ArcView, BEFORE, LobeShape, magnitude, nearest_mm};
 use crate::config::Config;
 use crate::fixed::{Mask, isqrt_u32};
 use crate::units::{Direction, Displacement, Millis, Range};
@@ -14,7 +14,7 @@ pub(super) struct StraightPath<'a> {
     pub(super) direction: Direction,
     /// In the ring's.
     in_ring: Direction,
-    lobe: &'a Lobe,
+    lobe: &'a LobeShape,
     /// Body and margin.
     reach_mm: i32,
     pub(super) now: Millis,
@@ -24,7 +24,7 @@ impl<'a> StraightPath<'a> {
     pub(super) fn new<const SENSORS: usize>(
         config: &Config<SENSORS>,
         limits: &'a ShieldConfig,
-        lobe: &'a Lobe,
+        lobe: &'a LobeShape,
         wanted: Displacement,
         length: i32,
         now: Millis,

@@ -41,7 +41,7 @@ proptest! {
         let half_lobe = Bearing::from_turns(half_lobe);
         config.shield = Some(ShieldConfig { half_lobe, ..ShieldConfig::nomad200() });
         let shielding = config.shield.as_ref().unwrap();
-        let (lobe, now) = (Lobe::of(half_lobe), Millis::from_ms(0));
+        let (lobe, now) = (LobeShape::of(half_lobe), Millis::from_ms(0));
         let wanted = Displacement::along(Bearing::from_turns(wanted), 250);
         let way = StraightPath::new(&config, shielding, &lobe, wanted, 250, now);
         let angle = |direction: Direction| libm::atan2(direction.y_q14.into(), direction.x_q14.into());
@@ -225,7 +225,10 @@ fn a_direction_is_open_while_those_who_look_there_have_been_heard() {
 /// far aside.
 #[test]
 fn an_arc_is_as_far_as_its_points_that_still_count() {
-    let (config, lobe) = (Config::recommended(), Lobe::of(Bearing::from_turns(2_731)));
+    let (config, lobe) = (
+        Config::recommended(),
+        LobeShape::of(Bearing::from_turns(2_731)),
+    );
     let mut arc = arc((-3_000, 0, 0, Some(3_000), 0), Millis::from_ms(5));
     let distance = |arc: &Arc| 2 * isqrt(arc.half_distance_squared(&lobe, 0).into());
     assert_eq!(distance(&arc), 0);
@@ -345,7 +348,7 @@ fn echoes_grow_old() {
 #[test]
 fn a_point_is_met_where_the_body_touches_it() {
     let (config, shielding) = (Config::recommended(), ShieldConfig::nomad200());
-    let lobe = Lobe::of(shielding.half_lobe);
+    let lobe = LobeShape::of(shielding.half_lobe);
     let way = StraightPath::new(
         &config,
         &shielding,

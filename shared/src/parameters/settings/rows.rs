@@ -1,13 +1,13 @@
 //! What the rows of the table of settings are made of.
 
-use super::{Access, Kind, NumberFormat, Setting, Value};
+use super::{Access, NumberFormat, Setting, SettingKind, Value};
 use crate::config::{Config, Online};
 use crate::parameters::{Parameter, Unit};
 use crate::shield::ShieldConfig;
 
 /// A number from `least` to `greatest`.
-pub(super) const fn number(format: NumberFormat, least: i32, greatest: i32) -> Kind {
-    Kind::Number {
+pub(super) const fn number(format: NumberFormat, least: i32, greatest: i32) -> SettingKind {
+    SettingKind::Number {
         format,
         least,
         greatest,
@@ -15,21 +15,21 @@ pub(super) const fn number(format: NumberFormat, least: i32, greatest: i32) -> K
 }
 
 /// Any number of 8 bits above zero.
-pub(super) const BYTE: Kind = number(NumberFormat::Count, 1, 255);
+pub(super) const BYTE: SettingKind = number(NumberFormat::Count, 1, 255);
 /// A factor in 1/256, up to 255.
-pub(super) const FACTOR: Kind = number(NumberFormat::Q8, 0, 255 << 8);
+pub(super) const FACTOR: SettingKind = number(NumberFormat::Q8, 0, 255 << 8);
 /// A share of 1.
-pub(super) const SHARE: Kind = number(NumberFormat::Q16, 0, 1 << 16);
+pub(super) const SHARE: SettingKind = number(NumberFormat::Q16, 0, 1 << 16);
 /// A length up to 2 m.
-pub(super) const LENGTH: Kind = number(NumberFormat::Millimeters, 0, 2_000);
+pub(super) const LENGTH: SettingKind = number(NumberFormat::Millimeters, 0, 2_000);
 /// A time from 0.1 s to a day.
-pub(super) const TIME: Kind = number(NumberFormat::Milliseconds, 100, 86_400_000);
+pub(super) const TIME: SettingKind = number(NumberFormat::Milliseconds, 100, 86_400_000);
 /// A learning rate.
-pub(super) const RATE: Kind = Kind::Schedule {
+pub(super) const RATE: SettingKind = SettingKind::Schedule {
     greatest_q16: 1 << 16,
 };
 /// A radius of a neighborhood.
-pub(super) const RADIUS: Kind = Kind::Schedule {
+pub(super) const RADIUS: SettingKind = SettingKind::Schedule {
     greatest_q16: 64 << 16,
 };
 
@@ -39,7 +39,7 @@ macro_rules! words {
         Setting::new(
             $key,
             $help,
-            Kind::Words(&[$($word),+]),
+            SettingKind::Words(&[$($word),+]),
             |config| index_of(&[$($value),+], &config.$($field).+),
             |config, word| {
                 if let Some(value) = [$($value),+].get(usize::from(word.byte())) {
@@ -116,7 +116,7 @@ impl<const SENSORS: usize> Setting<SENSORS> {
     pub(super) const fn new(
         key: &'static str,
         help: &'static str,
-        kind: Kind,
+        kind: SettingKind,
         get: fn(&Config<SENSORS>) -> Value,
         put: fn(&mut Config<SENSORS>, Value),
     ) -> Self {
@@ -137,9 +137,9 @@ impl<const SENSORS: usize> Setting<SENSORS> {
             _ => NumberFormat::Count,
         };
         let kind = match spec.unit {
-            Unit::Switch => Kind::Switch,
-            Unit::Bits => Kind::Sensors,
-            _ => Kind::Number {
+            Unit::Switch => SettingKind::Switch,
+            Unit::Bits => SettingKind::Sensors,
+            _ => SettingKind::Number {
                 format,
                 least: spec.least,
                 greatest: spec.greatest,
@@ -156,7 +156,7 @@ impl<const SENSORS: usize> Setting<SENSORS> {
     /// The same row with another range: a simulated robot may leave that of the link.
     pub(super) const fn between(self, least: i32, greatest: i32) -> Self {
         let kind = match self.kind {
-            Kind::Number { format, .. } => Kind::Number {
+            SettingKind::Number { format, .. } => SettingKind::Number {
                 format,
                 least,
                 greatest,

@@ -1,7 +1,7 @@
 //! The rows of the table of settings, in the order of the data's way through the controller.
 
 use super::rows::*;
-use super::{Kind, NumberFormat, Setting, Value};
+use super::{NumberFormat, Setting, SettingKind, Value};
 use crate::action_map::{ActionCode, Recall};
 use crate::config::{AtGoal, Initialization, LearnFrom, PlannerKind, SampleOrder, Subgoal};
 use crate::fixed::Weight;
@@ -38,7 +38,7 @@ impl<const SENSORS: usize> Setting<SENSORS> {
             "open-space",
             "whether rings without any echo are expected; otherwise three in a row stop \
              the robot: on | off",
-            Kind::Switch,
+            SettingKind::Switch,
             |config| Value::of(config.open_space),
             |config, value| config.open_space = value.is_on(),
         ),
@@ -98,7 +98,7 @@ impl<const SENSORS: usize> Setting<SENSORS> {
         Self::new(
             "augment-rotations",
             "samples also learned turned by ring steps: on | off",
-            Kind::Switch,
+            SettingKind::Switch,
             |config| Value::of(config.learning.augment_rotations),
             |config, value| config.learning.augment_rotations = value.is_on(),
         ),
@@ -190,7 +190,7 @@ impl<const SENSORS: usize> Setting<SENSORS> {
         Self::new(
             "online.learner",
             "action neuron that learns while seeking: best | recalled",
-            Kind::Words(&["best", "recalled"]),
+            SettingKind::Words(&["best", "recalled"]),
             |config| of_online(config, |online| online.blame_recalled.into()),
             |config, value| put_online(config, |online| online.blame_recalled = value.is_on()),
         ),
@@ -209,7 +209,7 @@ impl<const SENSORS: usize> Setting<SENSORS> {
             "wander",
             "off on a new course when a place comes no nearer: PATIENCE:MOVES decisions, \
              or off",
-            Kind::Wander,
+            SettingKind::Wander,
             |config| Value::Wander(config.planning.wander),
             |config, value| {
                 if let Value::Wander(wander) = value {
@@ -246,7 +246,7 @@ impl<const SENSORS: usize> Setting<SENSORS> {
         Self::new(
             "full-steps",
             "recalled moves stretched to the longest step: on | off",
-            Kind::Switch,
+            SettingKind::Switch,
             |config| Value::of(config.planning.full_steps),
             |config, value| config.planning.full_steps = value.is_on(),
         ),

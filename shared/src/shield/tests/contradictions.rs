@@ -42,7 +42,7 @@ proptest! {
         range in 154_u16..1_400, heard in 154_u16..2_000,
     ) {
         let shielding = ShieldConfig::nomad200();
-        let lobe = Lobe::of(shielding.half_lobe);
+        let lobe = LobeShape::of(shielding.half_lobe);
         let ahead = Bearing::ZERO.direction();
         let cone = Cone::new(mm(0, 0), ahead, echo(Some(Range::from_mm(heard)), 1));
         let now = Millis::from_ms(0);

@@ -50,7 +50,7 @@ pub enum ToMind<const SENSORS: usize> {
         /// What to do.
         order: Order<SENSORS>,
     },
-    /// Asks for a piece of a part; answered with [`FromMind::Piece`].
+    /// Asks for a piece of a part; answered with [`FromMind::Piece`](super::FromMind::Piece).
     Read {
         /// The part.
         part: Part,
@@ -94,7 +94,8 @@ pub enum ToMind<const SENSORS: usize> {
         /// The name.
         name: Name,
     },
-    /// Asks for the present goal and those kept; answered with a [`FromMind::Goal`] for each.
+    /// Asks for the present goal and those kept; answered with a
+    /// [`FromMind::Goal`](super::FromMind::Goal) for each.
     Goals,
 }
 
