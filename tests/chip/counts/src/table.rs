@@ -43,7 +43,7 @@ const DECISION: u32 = 30_000;
 fn print_maps(watch: &Stopwatch, episode: &CountedEpisode<'_>) {
     let [by_kernels, portable] = maps::searches(watch, episode);
     row("best-matching unit, 16 × 16, by kernels", by_kernels, 500);
-    row("best-matching unit, 16 × 16, portable", portable, 3_200);
+    row("best-matching unit, 16 × 16, portable", portable, 2_810);
     row("recall of an action", maps::recalls(watch, episode), 11_420);
     let [[situation, action], [near_situation, near_action]] = maps::updates(watch, episode);
     row("situation map learns, winner alone", situation, 170);
