@@ -1,5 +1,5 @@
-//! How much faster two cores are than one: 256 episodes by one thread and by two, in turns, so that what else the machine does
-//! falls on both.
+//! How much faster two cores are than one: 256 episodes by one thread and by two, in turns, so that
+//! what else the machine does falls on both.
 
 use amp::config::Config;
 use arena::robot::TurretMode;

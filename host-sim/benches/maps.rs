@@ -1,5 +1,5 @@
-//! Maps on the host: look-ups and training of 16 neurons with 16 components, by the map of fixed size that thinks for the
-//! robot and by the one of any size behind `host-sim som`.
+//! Maps on the host: look-ups and training of 16 neurons with 16 components, by the map of fixed
+//! size that thinks for the robot and by the one of any size behind `host-sim som`.
 
 use arena::noise::Noise;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};

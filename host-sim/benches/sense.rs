@@ -1,4 +1,5 @@
-//! How long the robot takes to look around and to move: what a simulated step costs without its mind.
+//! How long the robot takes to look around and to move: what a simulated step costs without its
+//! mind.
 
 use arena::noise::Noise;
 use arena::robot::COLLISION_RADIUS_M;

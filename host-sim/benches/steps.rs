@@ -1,7 +1,8 @@
 //! Whole robot steps per second: sense, mind and motion, in rooms of few and of very many surfaces.
 //!
-//! With the argument `rounds` many short rounds of four rooms in turns instead: on a machine that is not always there for one
-//! the best of them tells what the code does, and the median what one gets.
+//! With the argument `rounds` many short rounds of four rooms in turns instead: on a machine that
+//! is not always there for one the best of them tells what the code does, and the median what one
+//! gets.
 
 use amp::config::Config;
 use amp::controller::{Command, Event};
@@ -25,7 +26,8 @@ fn body(world: &World, sonar: SonarModel) -> Body<'_> {
     Body::new(world, sonar, TurretMode::Held, 1)
 }
 
-/// A square room `side` m wide with boxes as in the random rooms, `scale` times their size: `segments` straight pieces.
+/// A square room `side` m wide with boxes as in the random rooms, `scale` times their size:
+/// `segments` straight pieces.
 fn hall(segments: usize, side: f64, scale: f64) -> World {
     let mut noise = Noise::new(1);
     let half = side / 2.0;

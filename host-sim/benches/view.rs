@@ -1,4 +1,5 @@
-//! What a look at a seeking robot costs its loop (ten times a second while somebody watches), and the viewers' tasks.
+//! What a look at a seeking robot costs its loop (ten times a second while somebody watches), and
+//! the viewers' tasks.
 
 use amp::config::Config;
 use arena::robot::TurretMode;

@@ -1,7 +1,8 @@
 //! The second map of the paper: which action brings which change of situation.
 //!
 //! A neuron holds a change of situation Δ and an action side by side: two codebooks over one grid.
-//! Learning finds the BMU by both parts, |Δ − Δ_k|² + λ |a − a_k|²; recall probes with the change alone.
+//! Learning finds the BMU by both parts, |Δ − Δ_k|² + λ |a − a_k|²; recall probes with the change
+//! alone.
 
 mod code;
 mod recall;
@@ -43,8 +44,9 @@ impl<const NEURONS: usize, const SENSORS: usize> PartialEq for ActionMap<NEURONS
 
 impl<const NEURONS: usize, const SENSORS: usize> Eq for ActionMap<NEURONS, SENSORS> {}
 
-/// Sums over all neurons of a map, at most 31, in units of 2⁻²⁶. A decision needs all of them, and what is learned from a
-/// move changes one neuron's part: kept, they are worth 6 000 instructions of a decision on the chip.
+/// Sums over all neurons of a map, at most 31, in units of 2⁻²⁶. A decision needs all of them, and
+/// what is learned from a move changes one neuron's part: kept, they are worth 6 000 instructions
+/// of a decision on the chip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Products<const SENSORS: usize> {
     /// Of the actions' components: x x, x y, y y.
@@ -165,7 +167,8 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         self.products.as_ref()
     }
 
-    /// Moves `bmu` and its neighbors towards an effect; the products follow where the BMU moves alone.
+    /// Moves `bmu` and its neighbors towards an effect; the products follow where the BMU moves
+    /// alone.
     pub fn update(&mut self, bmu: usize, effect: &Effect<SENSORS>, update: &Update) {
         if !update.is_alone() {
             self.forget_products();

@@ -5,8 +5,9 @@
 //! 3. choose a *neighbor* of it nearer to the goal: the intermediate situation;
 //! 4. probe the action map with the change of situation wanted; it answers with an action.
 //!
-//! With [`PlannerKind::Recall`] these are the steps. The other choices ask the action map the other way round: what change does
-//! each action bring, and which of the situations to come is nearest to the goal (`look_ahead`).
+//! With [`PlannerKind::Recall`] these are the steps. The other choices ask the action map the other
+//! way round: what change does each action bring, and which of the situations to come is nearest to
+//! the goal (`look_ahead`).
 
 use crate::action_map::{ActionMap, Match, Preference, Probe};
 use crate::config::{AtGoal, Config, PlannerKind, Subgoal};
@@ -47,7 +48,8 @@ pub enum Why {
     LookAhead,
     /// No action leads nearer to the goal than standing still.
     Stay,
-    /// No action led nearer to the goal for some time: obstacles are avoided on another course for a while.
+    /// No action led nearer to the goal for some time: obstacles are avoided on another course for
+    /// a while.
     Wander,
 }
 
@@ -115,7 +117,8 @@ pub struct Planner<'a, const SENSORS: usize, const NEURONS: usize> {
 }
 
 impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
-    /// The decision for one situation and one goal: the paper's steps 1 and 2, then 3 and 4 or the look-ahead.
+    /// The decision for one situation and one goal: the paper's steps 1 and 2, then 3 and 4 or the
+    /// look-ahead.
     #[must_use]
     pub fn plan(&self, situation: &Situation<SENSORS>, goal: &Goal<SENSORS>) -> Plan<SENSORS> {
         let mut nothing = Memo::NONE;
@@ -156,7 +159,8 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         self.current.unwrap_or_else(search)
     }
 
-    /// Step 3: the neighbor of the current neuron that is nearest to the goal, and why it or another neuron is aimed at.
+    /// Step 3: the neighbor of the current neuron that is nearest to the goal, and why it or
+    /// another neuron is aimed at.
     #[inline(never)]
     fn subgoal(
         &self,
@@ -288,8 +292,8 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         }
     }
 
-    /// The goal asks for no change, so nothing is recalled: the robot goes on as it went, or, where it
-    /// could not, on a course turned by a part of the ring that comes by every place in turn.
+    /// The goal asks for no change, so nothing is recalled: the robot goes on as it went, or, where
+    /// it could not, on a course turned by a part of the ring that comes by every place in turn.
     fn at_goal(&self) -> (Displacement, Why) {
         let step = self.config.robot.step_mm;
         let course = self.course.with_length(step);
@@ -308,8 +312,9 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
 /// More than the cost of anything that may be chosen; a sum with one is no overflow.
 const FAR: i64 = i64::MAX / 2;
 
-/// The index of least cost and its cost, the lowest on ties; `count` where none costs less than [`FAR`]. A cost that reaches the limit may be more than that: after a good
-/// first guess most need not be summed to the end.
+/// The index of least cost and its cost, the lowest on ties; `count` where none costs less than
+/// [`FAR`]. A cost that reaches the limit may be more than that: after a good first guess most need
+/// not be summed to the end.
 fn cheapest(count: usize, first: usize, cost: impl Fn(usize, i64) -> i64) -> (usize, i64) {
     let (mut best, mut least) = (count, FAR);
     for index in core::iter::once(first).chain(0..count) {

@@ -152,8 +152,9 @@ fn the_papers_miniature_robot_with_eight_sensors_runs() {
     assert_eq!(decided, 50);
 }
 
-/// Fig. 1a of the paper: a chain of 32 neurons over uniformly distributed points in space; each comes to
-/// stand for about the same number of them, and neighbors in the chain for neighboring places.
+/// Fig. 1a of the paper: a chain of 32 neurons over uniformly distributed points in space; each
+/// comes to stand for about the same number of them, and neighbors in the chain for neighboring
+/// places.
 #[test]
 fn a_chain_of_32_spreads_over_points_in_space() {
     const STEPS: u32 = 40_000;

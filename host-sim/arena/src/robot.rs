@@ -168,8 +168,8 @@ impl Base {
     /// Starts a timed motion, which replaces the present one. Slip is drawn from `noise`.
     ///
     /// * A displacement of zero brakes to a stop.
-    /// * A base that already rolls towards the new goal keeps rolling; it may pass the goal by 1° of the
-    ///   way left and 2 mm. Where it cannot stop before the goal, it stops for good.
+    /// * A base that already rolls towards the new goal keeps rolling; it may pass the goal by 1°
+    ///   of the way left and 2 mm. Where it cannot stop before the goal, it stops for good.
     /// * Wheels that turn at rest keep turning, to the new bearing.
     /// * Otherwise the base stops first.
     pub fn command(&mut self, motion: BaseMotion, noise: &mut Noise) {

@@ -95,6 +95,7 @@ pub struct Recording {
     pub situation_map: MapRecord,
     /// The action map's changes of situation at the end.
     pub change_map: MapRecord,
-    /// The action map's actions at the end: displacements in meters in the ring's frame, one per neuron.
+    /// The action map's actions at the end: displacements in meters in the ring's frame, one per
+    /// neuron.
     pub actions_m: Vec<[f64; 2]>,
 }

@@ -146,7 +146,8 @@ pub fn poisson_interval(count: u64) -> [f64; 2] {
     [low, mean_with_tail(count.saturating_add(1), 0.975)]
 }
 
-/// Probability of `count` or more events where `mean` are expected. Takes time proportional to `count`.
+/// Probability of `count` or more events where `mean` are expected. Takes time proportional to
+/// `count`.
 #[must_use]
 pub fn poisson_tail(count: u64, mean: f64) -> f64 {
     // In logarithms, because e^−mean underflows from a mean of 746.

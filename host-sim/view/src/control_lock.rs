@@ -31,8 +31,8 @@ impl std::error::Error for ControlLockError {}
 
 /// All viewers, and the holder of the lock.
 ///
-/// To steer, a viewer shows the token of the printed address and acquires the lock. Every viewer that
-/// has shown the token may stop the robot at any time. A socket that is opened at
+/// To steer, a viewer shows the token of the printed address and acquires the lock. Every viewer
+/// that has shown the token may stop the robot at any time. A socket that is opened at
 /// `/socket?token=TOKEN` has shown it already and does not count as a watcher. The server pings the
 /// holder; a real robot stops when the holder is silent for the steering time-out.
 #[derive(Debug)]

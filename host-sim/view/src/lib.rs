@@ -1,8 +1,9 @@
 //! The bench view: a web page that shows a robot's controller at work and lets one person steer it.
 //!
-//! The robot's loop runs in its own thread: [`Runner`] steps a [`ViewSource`] and publishes at most ten
-//! [`Snapshot`]s per second, of which a slow viewer receives only the latest. Only commands flow back,
-//! so viewers never change decisions. `docs/view.md` and [`snapshot`] describe the messages.
+//! The robot's loop runs in its own thread: [`Runner`] steps a [`ViewSource`] and publishes at most
+//! ten [`Snapshot`]s per second, of which a slow viewer receives only the latest. Only commands
+//! flow back, so viewers never change decisions. `docs/view.md` and [`snapshot`] describe the
+//! messages.
 
 mod board;
 pub mod command;

@@ -95,8 +95,8 @@ pub fn message(part: &str, index: u64, value: &impl Serialize) -> String {
     serde_json::to_string(&Message { part, index, value }).unwrap_or_default()
 }
 
-/// Everything that is visible at one time. Its messages are JSON texts over the WebSocket `/socket`,
-/// such as `{"part": "now", "index": 0, "value": {"time_s": 12.8, "mode": "seek"}}`:
+/// Everything that is visible at one time. Its messages are JSON texts over the WebSocket
+/// `/socket`, such as `{"part": "now", "index": 0, "value": {"time_s": 12.8, "mode": "seek"}}`:
 ///
 /// | part | value | changes with |
 /// |---|---|---|

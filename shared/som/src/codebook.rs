@@ -68,8 +68,8 @@ impl<'a> Codebook<'a> {
     }
 }
 
-/// Squared length of a code vector and its dot product with the probe over the components in `mask`,
-/// by 16-bit values, in units of 2⁻²⁶.
+/// Squared length of a code vector and its dot product with the probe over the components in
+/// `mask`, by 16-bit values, in units of 2⁻²⁶.
 fn products<P: Scalar>(row: &[Weight32], probe: &[P], mask: Mask) -> (i64, i64) {
     if mask.covers(row.len()) {
         return (squared_norm(row), dot(row, probe));

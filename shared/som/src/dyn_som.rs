@@ -113,7 +113,8 @@ impl DynSom {
         bmu
     }
 
-    /// Trains the map on samples that stand one after another; see [`Som::train`](crate::Som::train).
+    /// Trains the map on samples that stand one after another; see
+    /// [`Som::train`](crate::Som::train).
     pub fn train(
         &mut self,
         samples: &mut [Weight32],

@@ -25,7 +25,8 @@ pub enum Edges {
 )]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Grid {
-    /// Columns after the first: an all-zero grid is one neuron, and static maps of it take no flash.
+    /// Columns after the first: an all-zero grid is one neuron, and static maps of it take no
+    /// flash.
     more_columns: u16,
     /// Rows after the first.
     more_rows: u16,
@@ -35,7 +36,8 @@ pub struct Grid {
 /// The grid of [`NEIGHBORS_4X4`].
 const GRID_4X4: Grid = Grid::rectangle(4, 4);
 
-/// Direct neighbors of each neuron, bit by bit: a table saves 60 instructions per update on a Cortex-M4.
+/// Direct neighbors of each neuron, bit by bit: a table saves 60 instructions per update on a
+/// Cortex-M4.
 static NEIGHBORS_4X4: [u16; 16] = {
     let mut around = [0; 16];
     let mut k = 0;

@@ -1,7 +1,7 @@
 //! The door for processor-specific code: BMU search and update of 16 neurons with 16 components.
 //!
-//! Results are those of the portable code, bit for bit; tests on the chip compare them. Maps of other
-//! sizes, partial masks and gains of 1/2 or more always take the portable code.
+//! Results are those of the portable code, bit for bit; tests on the chip compare them. Maps of
+//! other sizes, partial masks and gains of 1/2 or more always take the portable code.
 
 use crate::fixed::{Mask, Scalar as _, Weight, Weight32, high_product};
 use crate::grid::Grid;
@@ -12,9 +12,10 @@ use crate::neighborhood::{Shape, Update};
 pub struct Kernels {
     /// Finds the neurons that may be nearest by their ranks, (base − 2 w·x) / 2 in units of 2⁻²⁶.
     ///
-    /// Returns the neuron of least rank if every other rank is above it by more than `margin`. Otherwise
-    /// returns bit 16 + `k` for each neuron `k` within the margin of the least rank, and possibly for
-    /// that neuron alone. Half a base and each product are rounded down. No rank leaves 32 bits.
+    /// Returns the neuron of least rank if every other rank is above it by more than `margin`.
+    /// Otherwise returns bit 16 + `k` for each neuron `k` within the margin of the least rank, and
+    /// possibly for that neuron alone. Half a base and each product are rounded down. No rank
+    /// leaves 32 bits.
     pub candidates: extern "C" fn(
         code: &[[Weight32; 16]; 16],
         bases: &[i32; 16],
@@ -46,8 +47,8 @@ pub struct Group {
 /// By how much two ranks of `dims` components may be out of order.
 ///
 /// Per component, in units of 2⁻²⁶: squared distances are rounded by less than 16, squares by 1,
-/// products by 2. Beside them the base and its half by 1 each. Two ranks are compared, and ranks are
-/// half as large.
+/// products by 2. Beside them the base and its half by 1 each. Two ranks are compared, and ranks
+/// are half as large.
 const fn margin(dims: usize) -> i32 {
     (16 + 1 + 2) * dims as i32 + 2
 }
@@ -96,8 +97,8 @@ impl Accelerator {
         self.search(code, &self.norms, probe, margin(DIMS))
     }
 
-    /// The same with the weighted distances of a second map of two components; `None` for another one
-    /// and for a large weight.
+    /// The same with the weighted distances of a second map of two components; `None` for another
+    /// one and for a large weight.
     #[inline]
     pub(crate) fn joint_candidates<const NEURONS: usize, const DIMS: usize, const OTHER: usize>(
         &self,

@@ -1,5 +1,5 @@
-//! **Self-organizing maps in fixed point** (T. Kohonen, *Self-Organizing Maps*, 3rd ed., Springer 2001),
-//! for microcontrollers and desktop machines: the same samples give the same bytes on both.
+//! **Self-organizing maps in fixed point** (T. Kohonen, *Self-Organizing Maps*, 3rd ed., Springer
+//! 2001), for microcontrollers and desktop machines: the same samples give the same bytes on both.
 //!
 //! A map is a [`Grid`] of *neurons*, each with a *code vector*. The *best-matching unit* (BMU) of a
 //! sample is the neuron whose code vector is nearest. Training moves the BMU and its neighbors:
@@ -48,7 +48,8 @@
 //!
 //! # Features
 //!
-//! None is on by default. `alloc` (or `std`): [`DynSom`](https://docs.rs/tinysom); `serde`; `defmt`.
+//! None is on by default. `alloc` (or `std`): [`DynSom`](https://docs.rs/tinysom); `serde`;
+//! `defmt`.
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

@@ -64,7 +64,8 @@ impl Quality {
         self.sum_q21.checked_div(samples).unwrap_or(0)
     }
 
-    /// Share of the samples whose two best neurons are not direct neighbors, 0 to 1; 0 without samples.
+    /// Share of the samples whose two best neurons are not direct neighbors, 0 to 1; 0 without
+    /// samples.
     #[must_use]
     pub fn topographic_error(&self) -> f64 {
         f64::from(self.apart) / f64::from(self.samples.max(1))
@@ -94,8 +95,8 @@ impl Quality {
         distance as f32 / self.quantization_error_q21() as f32
     }
 
-    /// The novelty of the sample farthest from its BMU: no sample taken so far is newer. A threshold
-    /// for what training has not seen.
+    /// The novelty of the sample farthest from its BMU: no sample taken so far is newer. A
+    /// threshold for what training has not seen.
     #[must_use]
     pub fn largest_novelty(&self) -> f32 {
         match self.largest_q21 {

@@ -15,7 +15,8 @@ pub enum Decay {
     Inverse,
 }
 
-/// A value that falls from `start` to `end` over a training and never rises; kept in Q16 (65 536 = 1.0).
+/// A value that falls from `start` to `end` over a training and never rises; kept in Q16 (65 536 =
+/// 1.0).
 ///
 /// ```
 /// # use tinysom::{Decay, Schedule};

@@ -243,8 +243,8 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         bmu
     }
 
-    /// Trains the map on samples, epoch by epoch. `index(n)` returns a random number below `n`; it is
-    /// called where the samples are shuffled, which reorders them in place.
+    /// Trains the map on samples, epoch by epoch. `index(n)` returns a random number below `n`; it
+    /// is called where the samples are shuffled, which reorders them in place.
     pub fn train(
         &mut self,
         samples: &mut [[Weight; DIMS]],
@@ -276,7 +276,8 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         scores
     }
 
-    /// Dot product of the probe with each code vector over the components in `mask`, in units of 2⁻²⁶.
+    /// Dot product of the probe with each code vector over the components in `mask`, in units of
+    /// 2⁻²⁶.
     #[inline(never)]
     #[must_use]
     pub fn projections(&self, probe: &[Weight; DIMS], mask: Mask) -> [i64; NEURONS] {
@@ -289,8 +290,8 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     /// product over the sum of the code vector's length and the mean length of all, in units of
     /// 2⁻¹³ · the probe's.
     ///
-    /// The mean keeps very short code vectors, whose direction is mostly noise, from winning. Where all
-    /// are equally long, this is half the probe's length times the cosine.
+    /// The mean keeps very short code vectors, whose direction is mostly noise, from winning. Where
+    /// all are equally long, this is half the probe's length times the cosine.
     #[inline(never)]
     #[must_use]
     pub fn alignments(&self, probe: &[Weight; DIMS], mask: Mask) -> [i64; NEURONS] {

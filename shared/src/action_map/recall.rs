@@ -11,16 +11,16 @@ use serde::{Deserialize, Serialize};
 pub enum Recall {
     /// The neuron whose change is nearest (squared distance): the literal reading of the paper.
     Distance,
-    /// The neuron whose change points the same way: dot product over its length plus the map's mean length, so that a
-    /// change too short to have a direction does not answer.
+    /// The neuron whose change points the same way: dot product over its length plus the map's mean
+    /// length, so that a change too short to have a direction does not answer.
     Direction,
     /// The neuron whose change goes farthest that way (dot product).
     Projection,
 }
 
 impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
-    /// What the map answers to a wanted change: the best neuron among those `allowed` counts (among all
-    /// where it counts none), and the action of it and of all of them together.
+    /// What the map answers to a wanted change: the best neuron among those `allowed` counts (among
+    /// all where it counts none), and the action of it and of all of them together.
     #[must_use]
     pub fn recall(
         &self,
@@ -38,8 +38,8 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         }
     }
 
-    /// The best neuron for a wanted change among those `allowed` counts, and how well each neuron matches; into room lent
-    /// for it, as the scores are many to copy.
+    /// The best neuron for a wanted change among those `allowed` counts, and how well each neuron
+    /// matches; into room lent for it, as the scores are many to copy.
     #[inline(never)]
     pub(crate) fn matches(
         &self,
@@ -95,8 +95,9 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         sums
     }
 
-    /// The mean of the neurons' actions, weighted with the fourth power of their scores; neurons with a
-    /// score below 0, or that `allowed` does not count, have no part in it. Zero where none has.
+    /// The mean of the neurons' actions, weighted with the fourth power of their scores; neurons
+    /// with a score below 0, or that `allowed` does not count, have no part in it. Zero where none
+    /// has.
     #[inline(never)]
     pub(crate) fn together(&self, found: &Match<NEURONS>, allowed: Mask) -> [Weight; 2] {
         let Some(scores) = &found.scores else {
@@ -116,7 +117,8 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
             if *counted == 0 {
                 continue;
             }
-            // The score over the best one's, Q10: its fourth power takes 20 bits before the last shift.
+            // The score over the best one's, Q10: its fourth power takes 20 bits before the last
+            // shift.
             let share = match counted.checked_mul(1 << 10) {
                 Some(scaled) => scaled.checked_div(best).unwrap_or(0),
                 None => quotient(i64::from(*counted) << 10, i64::from(best)) as u32,
@@ -188,7 +190,8 @@ fn is_zero<const SENSORS: usize>(vector: &[Weight; SENSORS]) -> bool {
     fours.iter().all(|four| none(four)) && none(rest)
 }
 
-/// The vector scaled so that its largest component is about 1: short probes keep their direction's precision.
+/// The vector scaled so that its largest component is about 1: short probes keep their direction's
+/// precision.
 pub(super) fn stretched<const SENSORS: usize>(vector: &[Weight; SENSORS]) -> [Weight; SENSORS] {
     let largest = vector
         .iter()
@@ -205,8 +208,8 @@ pub(super) fn stretched<const SENSORS: usize>(vector: &[Weight; SENSORS]) -> [We
     })
 }
 
-/// Index of the greatest score among the neurons in `allowed`, the lowest on ties; among all where it
-/// holds none.
+/// Index of the greatest score among the neurons in `allowed`, the lowest on ties; among all where
+/// it holds none.
 fn greatest(scores: &[i64], allowed: Mask) -> usize {
     let mut best: Option<(usize, i64)> = None;
     for (index, &score) in scores.iter().enumerate() {

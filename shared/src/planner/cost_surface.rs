@@ -1,8 +1,9 @@
 //! How far the situation to come deviates from a goal, over all displacements of a step.
 //!
-//! Expected values are linear in the displacement, so most transducers' squared deviations are one quadratic form over the
-//! whole step, or do not change at all: their coefficients are summed once, and a direction costs a few products. Only
-//! transducers whose value may cross a bound within the step are looked at one by one.
+//! Expected values are linear in the displacement, so most transducers' squared deviations are one
+//! quadratic form over the whole step, or do not change at all: their coefficients are summed once,
+//! and a direction costs a few products. Only transducers whose value may cross a bound within the
+//! step are looked at one by one.
 
 use super::forward_model::{ForwardModel, Line};
 use crate::goal::{Over, ValueBounds};
@@ -65,7 +66,8 @@ impl<const SENSORS: usize> CostSurface<SENSORS> {
         self.form = smooth.then(|| sums.form());
     }
 
-    /// The deviation after a displacement given as shares of the longest step, Q14; what reaches `limit` may be more.
+    /// The deviation after a displacement given as shares of the longest step, Q14; what reaches
+    /// `limit` may be more.
     pub(super) fn at(&self, share: Direction, limit: i64) -> i64 {
         let mut total = self.form.as_ref().map_or(0, |form| form.at(share));
         for part in &self.parts {

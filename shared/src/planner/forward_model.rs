@@ -67,7 +67,8 @@ impl<const SENSORS: usize> ForwardModel<SENSORS> {
         &self.lines
     }
 
-    /// The values (2⁻¹³, from 0 on but not limited to 1) after a displacement given as shares of the longest step, Q14.
+    /// The values (2⁻¹³, from 0 on but not limited to 1) after a displacement given as shares of
+    /// the longest step, Q14.
     pub(super) fn after(&self, share: Direction) -> [i32; SENSORS] {
         let mut values = [0; SENSORS];
         for (value, line) in values.iter_mut().zip(&self.lines) {
@@ -95,8 +96,8 @@ impl Line {
         change.wrapping_add(self.now).max(0)
     }
 
-    /// What the value, which counts as 0 below 0, surely lies between after any displacement up to the longest step; unit
-    /// vectors may be too long by a sixteenth.
+    /// What the value, which counts as 0 below 0, surely lies between after any displacement up to
+    /// the longest step; unit vectors may be too long by a sixteenth.
     pub(super) fn range(&self) -> (i32, i32) {
         let most = self.along_x.abs().wrapping_add(self.along_y.abs());
         let most = most.wrapping_add(most >> 4).wrapping_add(2);
@@ -120,8 +121,8 @@ fn in_plane(code: ActionCode, action: [Weight; 2], step_mm: u16) -> (i64, i64) {
     (x.to_bits().into(), y.to_bits().into())
 }
 
-/// The inverse of the symmetric 2 × 2 matrix of the actions' products, in units of 2⁻¹⁹ of its own: sums of products in
-/// 2⁻²⁶ times this are slopes in 2⁻⁴⁵, whose upper half is a slope in 2⁻¹³.
+/// The inverse of the symmetric 2 × 2 matrix of the actions' products, in units of 2⁻¹⁹ of its own:
+/// sums of products in 2⁻²⁶ times this are slopes in 2⁻⁴⁵, whose upper half is a slope in 2⁻¹³.
 struct Inverse {
     xx: i32,
     xy: i32,
@@ -197,7 +198,8 @@ mod tests {
         )
     }
 
-    /// Least squares in floats: slopes in 2⁻¹³ per longest step, and how well the actions span the plane.
+    /// Least squares in floats: slopes in 2⁻¹³ per longest step, and how well the actions span the
+    /// plane.
     fn exact(map: &ActionMap<NEURONS, 5>, sensor: usize) -> ([f64; 2], f64) {
         let (mut plane, mut sums) = ([0.0; 3], [0.0; 2]);
         for (action, change) in map.actions().code().iter().zip(map.changes().code()) {

@@ -1,7 +1,9 @@
-//! Step 1: the neuron that stands for the goal, the one whose code vector costs least by what is asked.
+//! Step 1: the neuron that stands for the goal, the one whose code vector costs least by what is
+//! asked.
 //!
-//! A search over all neurons ([`search`]) is all there is to it. From one decision to the next mostly one neuron has changed, and
-//! [`Memo`] keeps what the last search found: it spares about 4 000 instructions of the 20 000 that a decision may take.
+//! A search over all neurons ([`search`]) is all there is to it. From one decision to the next
+//! mostly one neuron has changed, and [`Memo`] keeps what the last search found: it spares about 4
+//! 000 instructions of the 20 000 that a decision may take.
 
 use super::{Planner, cheapest};
 use crate::fixed::{Mask, to_weight16};
@@ -14,7 +16,8 @@ pub(crate) struct Memo {
     neuron: u8,
     travel: u8,
     enabled: Mask,
-    /// What the neuron costs, while the goal is the same and no other neuron has changed than the planner's current one.
+    /// What the neuron costs, while the goal is the same and no other neuron has changed than the
+    /// planner's current one.
     cost: Option<i64>,
 }
 
@@ -58,7 +61,8 @@ impl Memo {
         neuron
     }
 
-    /// The goal neuron and its cost if no neuron but `changed` is another than before; `None` if it takes a search.
+    /// The goal neuron and its cost if no neuron but `changed` is another than before; `None` if it
+    /// takes a search.
     fn after_a_change<const SENSORS: usize, const NEURONS: usize>(
         &self,
         least: i64,
@@ -90,7 +94,8 @@ fn search<const SENSORS: usize, const NEURONS: usize>(
     })
 }
 
-/// How far a neuron's code vector is from what is asked, in units of 2⁻²⁶ · weight; what reaches `limit` may be more.
+/// How far a neuron's code vector is from what is asked, in units of 2⁻²⁶ · weight; what reaches
+/// `limit` may be more.
 #[inline(never)]
 pub(super) fn cost<const SENSORS: usize, const NEURONS: usize>(
     map: &Som<NEURONS, SENSORS>,

@@ -1,16 +1,19 @@
 //! One step ahead in the action map: which action leads nearest to the goal?
 //!
-//! The action map holds pairs of (change of situation, action). Probed with an action it answers with a change, as an
-//! associative memory does with any part of its content; the present situation plus that change is the situation to come.
-//! The action whose situation to come deviates least from the goal is taken.
+//! The action map holds pairs of (change of situation, action). Probed with an action it answers
+//! with a change, as an associative memory does with any part of its content; the present situation
+//! plus that change is the situation to come. The action whose situation to come deviates least
+//! from the goal is taken.
 //!
-//! *The change of a direction* ([`ForwardModel`]) is what all neurons together say of it: the linear map from action to change
-//! that fits the neurons best (least squares, [`Recall by direction`](crate::action_map::Recall::Direction) turned round).
-//! One neuron alone knows its own direction only, and a short action, stretched to a whole step, magnifies its noise.
+//! *The change of a direction* ([`ForwardModel`]) is what all neurons together say of it: the
+//! linear map from action to change that fits the neurons best (least squares, [`Recall by
+//! direction`](crate::action_map::Recall::Direction) turned round). One neuron alone knows its own
+//! direction only, and a short action, stretched to a whole step, magnifies its noise.
 //!
-//! *A goal in the frame of travel* ("a wall to my right") depends on where the robot goes. First the *travel sensor* is chosen:
-//! the one towards which the goal fits the present situation best, with a preference for the course. Seen along it the goal
-//! stays the same for every candidate: the look-ahead keeps the distance, the travel sensor keeps the robot going.
+//! *A goal in the frame of travel* ("a wall to my right") depends on where the robot goes. First
+//! the *travel sensor* is chosen: the one towards which the goal fits the present situation best,
+//! with a preference for the course. Seen along it the goal stays the same for every candidate: the
+//! look-ahead keeps the distance, the travel sensor keeps the robot going.
 
 use super::cost_surface::CostSurface;
 use super::forward_model::ForwardModel;
@@ -21,7 +24,8 @@ use crate::goal::{Goal, GoalFrame, ValueBounds, cost_of};
 use crate::scan::Situation;
 use crate::units::{Direction, Displacement};
 
-/// Shares of a step that are tried along the best direction to a place, in 1/4; the whole step has been tried.
+/// Shares of a step that are tried along the best direction to a place, in 1/4; the whole step has
+/// been tried.
 const SHORTER_Q2: [i32; 4] = [3, 2, 1, 0];
 
 /// An action and how well the situation it leads to suits the goal.
@@ -118,8 +122,8 @@ fn part(direction: Direction, share_q2: i32) -> Direction {
 }
 
 impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
-    /// The transducer towards which a goal in the frame of travel fits the situation best, the course preferred; 0 for
-    /// other goals.
+    /// The transducer towards which a goal in the frame of travel fits the situation best, the
+    /// course preferred; 0 for other goals.
     #[must_use]
     pub fn travel_sensor(&self, situation: &Situation<SENSORS>, goal: &Goal<SENSORS>) -> usize {
         self.travel_sensor_from(0, situation, goal)
@@ -252,7 +256,8 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         best
     }
 
-    /// A neuron's own action, brought to a whole step; none for an action too short to have a direction.
+    /// A neuron's own action, brought to a whole step; none for an action too short to have a
+    /// direction.
     #[inline(never)]
     fn own_candidate(
         &self,
@@ -429,7 +434,8 @@ mod tests {
             prop_assert_eq!(Some(planner.travel_sensor_from(begin, &situation, &goal)), best);
         }
 
-        /// The best heading by every heading's score, and by every share of a step where the robot may stay.
+        /// The best heading by every heading's score, and by every share of a step where the robot
+        /// may stay.
         #[test]
         fn the_best_heading_is_the_first_of_those_as_good(
             bounds in bounds(), values in prop::array::uniform16(0_i16..=8_192), changes in prop::array::uniform16(-900_i16..=900),

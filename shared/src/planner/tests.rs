@@ -8,7 +8,8 @@ use crate::robot::RobotSpec;
 use crate::som::Grid;
 use std::string::ToString as _;
 
-/// A robot with four transducers (ahead, left, behind, right) whose values are easily worked out by hand.
+/// A robot with four transducers (ahead, left, behind, right) whose values are easily worked out by
+/// hand.
 fn four() -> Config<4> {
     let robot = RobotSpec {
         directions: core::array::from_fn(|place| Bearing::of_place(place, 4).direction()),
@@ -40,15 +41,16 @@ fn weights<const COUNT: usize>(values: [f64; COUNT]) -> [Weight; COUNT] {
     values.map(Weight::from_num)
 }
 
-/// Something ahead; less of it; something on the right; nothing: on a square of 2 × 2, where the first and the last are no
-/// neighbors.
+/// Something ahead; less of it; something on the right; nothing: on a square of 2 × 2, where the
+/// first and the last are no neighbors.
 const SITUATIONS: [[f64; 4]; 4] = [
     [1.0, 0.0, 0.0, 0.0],
     [0.5, 0.0, 0.0, 0.0],
     [0.0, 0.0, 0.0, 1.0],
     [0.0; 4],
 ];
-/// Less ahead by going back, more by going on; less on the right by going left, more by going right.
+/// Less ahead by going back, more by going on; less on the right by going left, more by going
+/// right.
 const CHANGES: [[f64; 4]; 4] = [
     [-0.5, 0.0, 0.25, 0.0],
     [0.5, 0.0, -0.25, 0.0],
@@ -106,7 +108,8 @@ fn near(found: Displacement, dx_mm: i16, dy_mm: i16) -> bool {
     found.minus(mm(dx_mm, dy_mm)).length_mm() <= 3
 }
 
-/// The paper's four steps: goal neuron, present neuron, the neighbor nearer to the goal, recall by the difference.
+/// The paper's four steps: goal neuron, present neuron, the neighbor nearer to the goal, recall by
+/// the difference.
 #[test]
 fn the_neighbor_nearer_to_the_goal_is_aimed_at() {
     let mut bench = Bench::new();
@@ -114,7 +117,8 @@ fn the_neighbor_nearer_to_the_goal_is_aimed_at() {
         bench.config.planning.subgoal = intermediate;
         let plan = bench.free([0.9, 0.0, 0.0, 0.0]);
         assert_eq!((plan.goal_neuron, plan.current_neuron), (3, 0));
-        // Both neighbors are one step from the goal's neuron; less ahead is nearer to nothing than something on the right.
+        // Both neighbors are one step from the goal's neuron; less ahead is nearer to nothing than
+        // something on the right.
         assert_eq!((plan.intermediate_neuron, plan.why), (1, Why::Neighbour));
         // From what was measured to the neighbor's code vector.
         assert_eq!(
@@ -292,7 +296,8 @@ fn one_step_ahead_the_neuron_whose_own_change_leads_nearest_is_taken() {
     );
 }
 
-/// A wall wanted on the right of where the robot goes: the way is the place of the ring from which it is there.
+/// A wall wanted on the right of where the robot goes: the way is the place of the ring from which
+/// it is there.
 #[test]
 fn the_way_of_a_goal_in_the_frame_of_travel_fits_the_situation() {
     let mut bench = Bench::new();
@@ -561,7 +566,8 @@ fn changes_are_differences_within_one() {
 fn a_goal_that_the_present_neuron_meets_has_no_nearer_neighbor() {
     let mut bench = Bench::new();
     bench.config.planning.subgoal = Subgoal::NearestCode;
-    // Both the last neuron and the second are nothing; the lower stands for the goal, the robot is at the other one.
+    // Both the last neuron and the second are nothing; the lower stands for the goal, the robot is
+    // at the other one.
     bench.situations.set_code_vector(1, &weights([0.0; 4]));
     bench
         .situations

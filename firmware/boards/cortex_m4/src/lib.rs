@@ -1,8 +1,8 @@
 //! Kernels of `tinysom` for a Cortex-M4: BMU search and update of 16 neurons with 16 components.
 //!
-//! Results are those of the portable code, bit for bit. One instruction loads four components, and the
-//! probe stays in eight registers, two values in each (`SMLAWB` and `SMLAWT` take either half as it is).
-//! The crate is empty on every other processor.
+//! Results are those of the portable code, bit for bit. One instruction loads four components, and
+//! the probe stays in eight registers, two values in each (`SMLAWB` and `SMLAWT` take either half
+//! as it is). The crate is empty on every other processor.
 #![no_std]
 #![cfg(all(target_arch = "arm", target_os = "none"))]
 #![allow(unsafe_code)]
@@ -14,14 +14,16 @@ use tinysom::{Weight, Weight32};
 /// For [`amp::node::Node::use_kernels`].
 pub static KERNELS: Kernels = Kernels { candidates, update };
 
-/// Two passes. The first one goes through the code vectors from the last to the first and leaves w·x of each on the
-/// stack, so that they lie in order in the end, in two rounds of eight: no instruction of a round changes the flags, and
-/// they tell the first from the second. The second pass makes ranks of them. Most are above the least so far by more than
-/// the margin, which costs a comparison and a branch. Only where one is closer to it are all gone through again.
+/// Two passes. The first one goes through the code vectors from the last to the first and leaves
+/// w·x of each on the stack, so that they lie in order in the end, in two rounds of eight: no
+/// instruction of a round changes the flags, and they tell the first from the second. The second
+/// pass makes ranks of them. Most are above the least so far by more than the margin, which costs a
+/// comparison and a branch. Only where one is closer to it are all gone through again.
 ///
 /// Of each product the lowest 16 of 48 bits are left off: units of 2⁻²⁶, as of squared lengths.
-// SAFETY: keeps to the calling convention: r4 to r11 and the stack pointer come back as they were, and only the arguments
-// are read, whose sizes their types know. Nothing needs an alignment that they do not have: `ldr` may read from anywhere.
+// SAFETY: keeps to the calling convention: r4 to r11 and the stack pointer come back as they were,
+// and only the arguments are read, whose sizes their types know. Nothing needs an alignment that
+// they do not have: `ldr` may read from anywhere.
 #[unsafe(naked)]
 extern "C" fn candidates(
     code: &[[Weight32; 16]; 16],
@@ -65,7 +67,8 @@ extern "C" fn candidates(
         "bne   3f",
         "movs  r1, #1",
         "b     2b",
-        // r12: products, r3: bases, r1: margin, lr: twice that, r2: the least rank and the margin, r0: its neuron.
+        // r12: products, r3: bases, r1: margin, lr: twice that, r2: the least rank and the margin,
+        // r0: its neuron.
         "3:",
         "mov   r12, sp",
         "ldrd  r3, r1, [sp, #64]",
@@ -111,8 +114,8 @@ extern "C" fn candidates(
         "among r7, 15",
         "add   sp, #64",
         "pop   {{r1, r3, r4-r11, pc}}",
-        // Some are so close that all have to be seen: the least rank, then who is above it by the margin at most. The last bit
-        // that leaves r0 ends the loops.
+        // Some are so close that all have to be seen: the least rank, then who is above it by the
+        // margin at most. The last bit that leaves r0 ends the loops.
         "5:",
         "mov   r12, sp",
         "ldr   r3, [sp, #64]",
@@ -164,9 +167,10 @@ extern "C" fn candidates(
     )
 }
 
-/// The neurons of a group from the last to the first, four components at a time: w + (x − w) · 4 gain, whose upper half is
-/// the step, and the upper half of its square. What both halves of a register hold of the probe is subtracted from twice:
-/// from the register, shifted, and from a copy without its lower half, which is on the stack beside it.
+/// The neurons of a group from the last to the first, four components at a time: w + (x − w) · 4
+/// gain, whose upper half is the step, and the upper half of its square. What both halves of a
+/// register hold of the probe is subtracted from twice: from the register, shifted, and from a copy
+/// without its lower half, which is on the stack beside it.
 // SAFETY: as above; rows and lengths are written for neurons below 16 only.
 #[unsafe(naked)]
 extern "C" fn update(

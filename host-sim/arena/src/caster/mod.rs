@@ -1,7 +1,8 @@
 //! The caster: what rays, cones and moving discs meet among the surfaces of a world.
 //!
-//! [`Caster`] is its one door. Each query looks only at what is near, by trees of boxes. It remembers
-//! nothing between queries, except what a [`LobeView`] keeps of the surroundings of its transducer.
+//! [`Caster`] is its one door. Each query looks only at what is near, by trees of boxes. It
+//! remembers nothing between queries, except what a [`LobeView`] keeps of the surroundings of its
+//! transducer.
 
 use std::sync::Arc;
 
@@ -78,8 +79,8 @@ impl Caster {
         ray::cast(&self.still, &self.posts, origin, direction)
     }
 
-    /// What cones can meet whose tips lie `offset_m` from `middle`, along their axes, and which reach
-    /// `reach_m` from there.
+    /// What cones can meet whose tips lie `offset_m` from `middle`, along their axes, and which
+    /// reach `reach_m` from there.
     pub fn view(&self, middle: Point, offset_m: f64, reach_m: f64) -> ConeView {
         ConeView::new(&self.still, &self.posts, middle, offset_m, reach_m)
     }

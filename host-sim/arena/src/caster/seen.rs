@@ -145,8 +145,8 @@ pub(crate) struct LobeHit {
 }
 
 impl LobeHit {
-    /// Whether a surface at `distance_m` comes before this one. Of two at the same distance the first in
-    /// the world's list does.
+    /// Whether a surface at `distance_m` comes before this one. Of two at the same distance the
+    /// first in the world's list does.
     fn comes_after(&self, distance_m: f64, number: f64) -> bool {
         let same = distance_m == self.distance_m;
         distance_m < self.distance_m || (same && number < self.number)

@@ -20,16 +20,18 @@ Examples:
   host-sim learn --log run.csv --ranges 2-17 --velocities v,omega --unit mm
       ranges in mm in columns 2 to 17, velocities in the columns v and omega")]
 pub struct LearnArgs {
-    /// Log of a run: one moment per line in the order of time, values separated by commas, semicolons or tabs
+    /// Log of a run: one moment per line in the order of time, values separated by commas,
+    /// semicolons or tabs
     #[arg(long, value_name = "FILE")]
     pub log: PathBuf,
 
-    /// Neurons of each map: COLUMNSxROWS, each 4 to 20; several sizes (4x4,8x8) or all squares from one to another
-    /// (4x4..=20x20) give a curve
+    /// Neurons of each map: COLUMNSxROWS, each 4 to 20; several sizes (4x4,8x8) or all squares from
+    /// one to another (4x4..=20x20) give a curve
     #[arg(long, value_name = "SIZES", default_value = "4x4")]
     pub map: Sizes,
 
-    /// Share of the rows held out at the end of the run: the maps do not learn from them and are asked about them
+    /// Share of the rows held out at the end of the run: the maps do not learn from them and are
+    /// asked about them
     #[arg(long, value_name = "SHARE", default_value = "0.3", value_parser = share)]
     pub held_out: f64,
 
@@ -42,8 +44,8 @@ pub struct LearnArgs {
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
 
-    /// Columns that hold ranges, by heading or number from 1: 1-24 or left,front,right [default: all columns of numbers
-    /// but the action's]
+    /// Columns that hold ranges, by heading or number from 1: 1-24 or left,front,right [default:
+    /// all columns of numbers but the action's]
     #[arg(long, value_name = "COLUMNS")]
     pub ranges: Option<String>,
 
@@ -67,7 +69,8 @@ pub struct LearnArgs {
     #[arg(long, value_name = "RANGE", default_value_t = 0.0)]
     pub near: f64,
 
-    /// Range from which on a situation's value is 0, in the log's unit [default: the greatest in the log]
+    /// Range from which on a situation's value is 0, in the log's unit [default: the greatest in
+    /// the log]
     #[arg(long, value_name = "RANGE")]
     pub far: Option<f64>,
 

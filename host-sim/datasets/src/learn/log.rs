@@ -7,7 +7,8 @@ use std::path::Path;
 
 /// Rows a log may have.
 pub const MAX_ROWS: usize = 65_535;
-/// Largest size of a finite range or velocity, in the log's unit: beyond it, squared differences lose their last digits.
+/// Largest size of a finite range or velocity, in the log's unit: beyond it, squared differences
+/// lose their last digits.
 pub const MAX_VALUE: f64 = 1e6;
 /// Different labels a log may have.
 pub const MAX_LABELS: usize = 64;
@@ -15,8 +16,8 @@ pub const MAX_LABELS: usize = 64;
 /// Which columns hold what; columns are named as in the heading, or by number from 1.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Columns {
-    /// Ranges: names, numbers and spans of numbers (`1-24`), separated by commas; `None` = all columns of numbers that hold
-    /// nothing else.
+    /// Ranges: names, numbers and spans of numbers (`1-24`), separated by commas; `None` = all
+    /// columns of numbers that hold nothing else.
     pub ranges: Option<String>,
     /// The label; `None` = the last column, unless there are velocities.
     pub label: Option<String>,
@@ -52,7 +53,8 @@ pub struct Log {
     pub source: String,
     /// What the range finders are called: as in the heading, else by number of the column.
     pub names: Vec<String>,
-    /// By row, one range per range finder, in the log's unit, not negative; infinite = nothing was heard.
+    /// By row, one range per range finder, in the log's unit, not negative; infinite = nothing was
+    /// heard.
     pub ranges: Vec<Vec<f64>>,
     /// What the robot did.
     pub actions: Actions,
@@ -62,8 +64,9 @@ impl Log {
     /// Reads the log in a file.
     ///
     /// # Errors
-    /// A sentence naming the file, and line and column where it is about them: a file that cannot be read or is not text,
-    /// unknown columns, fields that are no ranges or velocities, no label, too many rows or labels.
+    /// A sentence naming the file, and line and column where it is about them: a file that cannot
+    /// be read or is not text, unknown columns, fields that are no ranges or velocities, no label,
+    /// too many rows or labels.
     pub fn load(path: &Path, columns: &Columns) -> Result<Self, BadInput> {
         let text = read_text(path, MAX_INPUT_BYTES)?;
         Self::parse(&path.display().to_string(), &text, columns)

@@ -1,8 +1,10 @@
-//! Associative memories: a codebook, an answer for each of its code vectors, and the nearest one answers.
+//! Associative memories: a codebook, an answer for each of its code vectors, and the nearest one
+//! answers.
 //!
-//! The action map is one (both parts of its code vectors are trained together, one is probed), a situation map whose
-//! neurons carry what was done in the situations they won is another, and so are what they are compared with: all the
-//! samples (1-nearest neighbor) and a single answer (the most frequent class, the mean velocities).
+//! The action map is one (both parts of its code vectors are trained together, one is probed), a
+//! situation map whose neurons carry what was done in the situations they won is another, and so
+//! are what they are compared with: all the samples (1-nearest neighbor) and a single answer (the
+//! most frequent class, the mean velocities).
 
 use super::task::Pairs;
 use crate::som::start::{map_of, start_at_samples};
@@ -58,8 +60,8 @@ impl Memory {
         Self::new(pairs.inputs.clone(), pairs.dims, pairs.actions.clone())
     }
 
-    /// The action map: (input, action) pairs learned together, probed with the input alone. `weight` is that of an action's
-    /// whole range beside an input's component, 0 to 1.
+    /// The action map: (input, action) pairs learned together, probed with the input alone.
+    /// `weight` is that of an action's whole range beside an input's component, 0 to 1.
     ///
     /// # Errors
     /// See [`of_the_mean`](Self::of_the_mean).
@@ -88,7 +90,8 @@ impl Memory {
         Self::new(code, pairs.dims, answers)
     }
 
-    /// A trained map whose neurons answer with the mean action of the samples they win; those that win none never answer.
+    /// A trained map whose neurons answer with the mean action of the samples they win; those that
+    /// win none never answer.
     ///
     /// # Errors
     /// See [`of_the_mean`](Self::of_the_mean).

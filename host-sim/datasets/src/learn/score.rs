@@ -4,7 +4,8 @@ use super::memory::Memory;
 use super::task::Pairs;
 use sim::statistics::{Mean, bootstrap};
 
-/// Rows that follow each other are alike: the interval of an accuracy is that over blocks of so many.
+/// Rows that follow each other are alike: the interval of an accuracy is that over blocks of so
+/// many.
 const BLOCK: usize = 50;
 
 /// What came of recalling the actions of some pairs.
@@ -53,7 +54,8 @@ impl Score {
         Self::Velocities { rms }
     }
 
-    /// Share of the pairs recalled rightly with its 95 % interval over blocks of time; nothing for velocities.
+    /// Share of the pairs recalled rightly with its 95 % interval over blocks of time; nothing for
+    /// velocities.
     #[must_use]
     pub fn accuracy(&self) -> Option<Mean> {
         let Self::Classes { right, .. } = self else {
@@ -68,7 +70,8 @@ impl Score {
         Some(bootstrap(&blocks))
     }
 
-    /// By class: share of its pairs recalled as that class; `None` for a class that did not occur. Empty for velocities.
+    /// By class: share of its pairs recalled as that class; `None` for a class that did not occur.
+    /// Empty for velocities.
     #[must_use]
     pub fn by_class(&self) -> Vec<Option<f64>> {
         let Self::Classes { confusion, .. } = self else {

@@ -103,7 +103,8 @@ pub struct Lesson {
     pub action_weight: f64,
 }
 
-/// Learns maps of all the sizes from the part of the log to be learned and asks them about the rest.
+/// Learns maps of all the sizes from the part of the log to be learned and asks them about the
+/// rest.
 ///
 /// # Errors
 /// More presentations than can be counted.

@@ -1,4 +1,5 @@
-//! What is to be learned from a log: situations, changes of situation, and the action that went with each.
+//! What is to be learned from a log: situations, changes of situation, and the action that went
+//! with each.
 
 use super::log::{Actions, Log};
 use crate::som::scale::Scale;
@@ -57,7 +58,8 @@ impl Task {
     /// Takes the log as situations and actions.
     ///
     /// # Errors
-    /// Limits in the wrong order, a log all of whose ranges are the same, or too short for a part to hold a change.
+    /// Limits in the wrong order, a log all of whose ranges are the same, or too short for a part
+    /// to hold a change.
     pub fn of(log: &Log, options: &Options) -> Result<Self, BadInput> {
         let rows = log.ranges.len();
         let far = options.far.unwrap_or_else(|| greatest(log));

@@ -23,7 +23,8 @@ const LESSON: Lesson = Lesson {
     action_weight: 1.0,
 };
 
-/// Ranges of the simulated ring in m, and the quarter of the step that followed: 0 along x, 1 along y, ….
+/// Ranges of the simulated ring in m, and the quarter of the step that followed: 0 along x, 1 along
+/// y, ….
 type Row = ([f64; 16], usize);
 
 /// A random walk of steps along the axes in an empty room of 4 m × 5 m; the ring keeps its bearing.

@@ -23,8 +23,8 @@ Examples:
   host-sim som --data flowers.csv --init start.csv --order file --rate 0.5:0.1667:inverse
       everything fixed by hand, nothing random")]
 pub struct SomArgs {
-    /// Table of numbers: one sample per line, values separated by commas, semicolons or tabs. A heading in the first
-    /// line and labels in the last column are recognized and left out
+    /// Table of numbers: one sample per line, values separated by commas, semicolons or tabs. A
+    /// heading in the first line and labels in the last column are recognized and left out
     #[arg(long, value_name = "FILE")]
     pub data: PathBuf,
 
@@ -41,8 +41,9 @@ pub struct SomArgs {
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
 
-    /// Code vectors to begin with: "samples" (some of the data), "random" (values between each column's least and
-    /// greatest), or a table of one line per neuron, row by row, in the units of the data
+    /// Code vectors to begin with: "samples" (some of the data), "random" (values between each
+    /// column's least and greatest), or a table of one line per neuron, row by row, in the units of
+    /// the data
     #[arg(long, value_name = "samples|random|FILE", default_value = "samples", value_parser = init)]
     pub init: Init,
 
@@ -50,7 +51,8 @@ pub struct SomArgs {
     #[arg(long, value_enum, default_value_t = Order::Shuffled)]
     pub order: Order,
 
-    /// Who learns with the winner: its "direct" neighbors, or everybody by a "gaussian" of the distance on the grid
+    /// Who learns with the winner: its "direct" neighbors, or everybody by a "gaussian" of the
+    /// distance on the grid
     #[arg(long, alias = "neighborhood", default_value = "gaussian",
         value_parser = PossibleValuesParser::new(["direct", "gaussian"]).map(neighborhood))]
     pub neighborhood: Neighborhood,
@@ -59,9 +61,9 @@ pub struct SomArgs {
     #[arg(long, value_name = "START:END:SHAPE", default_value = DEFAULT_RATE, value_parser = rate)]
     pub rate: Schedule,
 
-    /// Radius of the gaussian in grid steps and how it falls [default: from 0.3 times the longer side of the
-    /// grid, at least 1, to 0.42, exponential]; with direct neighbors their share of the learning rate [default:
-    /// 0.5:0.05:exponential]
+    /// Radius of the gaussian in grid steps and how it falls [default: from 0.3 times the longer
+    /// side of the grid, at least 1, to 0.42, exponential]; with direct neighbors their share of
+    /// the learning rate [default: 0.5:0.05:exponential]
     #[arg(long, value_name = "START:END:SHAPE", value_parser = radius)]
     pub radius: Option<Schedule>,
 
@@ -134,8 +136,8 @@ pub fn default_radius(neighborhood: Neighborhood, grid: Grid) -> Result<Schedule
         Neighborhood::Direct => "0.5:0.05:exponential".to_owned(),
         Neighborhood::Gaussian => {
             let side = grid.columns().max(grid.rows());
-            // Ends where neighbors still hold together (less of it costs topographic error, more of it quantization
-            // error).
+            // Ends where neighbors still hold together (less of it costs topographic error, more of
+            // it quantization error).
             format!("{}:0.42:exponential", (0.3 * side as f64).max(1.0))
         }
     })

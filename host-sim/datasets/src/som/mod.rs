@@ -1,7 +1,7 @@
 //! Self-organizing maps of any table of numbers: `host-sim som`.
 //!
-//! Data flows from [`files::table`] (a text file) through [`scale`] (weights in [0, 1]), [`start`] and a
-//! training of `tinysom` to [`report`] (figures in the data's units, code vectors, pictures).
+//! Data flows from [`files::table`] (a text file) through [`scale`] (weights in [0, 1]), [`start`]
+//! and a training of `tinysom` to [`report`] (figures in the data's units, code vectors, pictures).
 
 pub mod args;
 pub mod measures;

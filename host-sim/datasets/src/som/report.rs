@@ -23,7 +23,8 @@ pub struct Report {
     pub epochs: u32,
     /// Mean Euclidean distance of a sample to its best-matching unit.
     pub quantization_error: f64,
-    /// Share of the samples whose best two neurons are not direct neighbors (left, right, above, below), 0 to 1.
+    /// Share of the samples whose best two neurons are not direct neighbors (left, right, above,
+    /// below), 0 to 1.
     pub topographic_error: f64,
 }
 
@@ -69,7 +70,8 @@ pub fn record(map: &DynSom, measures: &Measures, scale: Scale) -> MapRecord {
     }
 }
 
-/// The code vectors as a table, one line per neuron, row by row, in the data's own units: what `--init` takes.
+/// The code vectors as a table, one line per neuron, row by row, in the data's own units: what
+/// `--init` takes.
 #[must_use]
 pub fn code_vectors_csv(map: &MapRecord, names: &[String], decimals: usize) -> String {
     let heading = names
@@ -97,8 +99,8 @@ fn quoted(name: &str) -> String {
     }
 }
 
-/// The pictures of a map and its data: file names and SVG documents. Data of two or three columns are also drawn as a
-/// cloud with the map in it.
+/// The pictures of a map and its data: file names and SVG documents. Data of two or three columns
+/// are also drawn as a cloud with the map in it.
 #[must_use]
 pub fn pictures(map: &MapRecord, data: &Table) -> Vec<(&'static str, String)> {
     let cloud = plots::scatter(map, &data.rows, &data.names, "Samples and map");
@@ -113,7 +115,8 @@ pub fn pictures(map: &MapRecord, data: &Table) -> Vec<(&'static str, String)> {
     pictures
 }
 
-/// Writes files into a folder, which is made if need be. Each appears under its name only when it is complete.
+/// Writes files into a folder, which is made if need be. Each appears under its name only when it
+/// is complete.
 ///
 /// # Errors
 /// A sentence naming the folder or file that cannot be written.

@@ -1,9 +1,10 @@
 //! The straight line between the data's units and the maps' [0, 1].
 //!
-//! One line serves all columns, so that a Euclidean distance between weights is the distance in the data's units divided
-//! by one number, and no column gains or loses importance. (Columns scaled one by one would make distances that mean
-//! nothing in the data's units; whoever wants that standardises the columns before.) Samples and code vectors
-//! have steps of 2⁻²⁹ of the whole range.
+//! One line serves all columns, so that a Euclidean distance between weights is the distance in the
+//! data's units divided by one number, and no column gains or loses importance. (Columns scaled one
+//! by one would make distances that mean nothing in the data's units; whoever wants that
+//! standardises the columns before.) Samples and code vectors have steps of 2⁻²⁹ of the whole
+//! range.
 
 use files::error::BadInput;
 use files::table::Table;
@@ -13,7 +14,8 @@ use tinysom::fixed::{FINE_ONE_BITS, Weight32};
 
 /// Half a step of a weight.
 const HALF_STEP: f64 = 0.5 / FINE_ONE_BITS as f64;
-/// Where code vectors may begin: as far below the scale as it is wide, and printed values may be off by their rounding.
+/// Where code vectors may begin: as far below the scale as it is wide, and printed values may be
+/// off by their rounding.
 const CODE: RangeInclusive<f64> = -1.0 - HALF_STEP..=1.0 + HALF_STEP;
 
 /// Maps a range of the data's values to weights from 0 to 1.
@@ -24,7 +26,8 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// From the least to the greatest value of a table; a table of one value all over is mapped to 0.
+    /// From the least to the greatest value of a table; a table of one value all over is mapped to
+    /// 0.
     ///
     /// # Errors
     /// Values so far apart that their difference is no finite number.
@@ -60,7 +63,8 @@ impl Scale {
         self.span
     }
 
-    /// The weight nearest to a value, or nothing when the value lies outside this part of the scale.
+    /// The weight nearest to a value, or nothing when the value lies outside this part of the
+    /// scale.
     fn weight(self, value: f64, part: &RangeInclusive<f64>) -> Option<Weight32> {
         let share = (value - self.least) / self.span;
         let bits = (share.clamp(-1.0, 1.0) * f64::from(FINE_ONE_BITS)).round();
@@ -93,8 +97,8 @@ impl Scale {
         self.weights(table, &(0.0..=1.0))
     }
 
-    /// As [`samples`](Self::samples) for code vectors, which may begin outside the data: as far below the scale as it is
-    /// wide.
+    /// As [`samples`](Self::samples) for code vectors, which may begin outside the data: as far
+    /// below the scale as it is wide.
     ///
     /// # Errors
     /// As [`samples`](Self::samples).

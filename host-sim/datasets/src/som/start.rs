@@ -1,7 +1,7 @@
 //! Starting code vectors.
 //!
-//! All randomness comes from one generator, [`Noise`] (xoshiro256++), seeded with `--seed`: first the
-//! starting code vectors, then one shuffle per epoch. Training runs on one thread.
+//! All randomness comes from one generator, [`Noise`] (xoshiro256++), seeded with `--seed`: first
+//! the starting code vectors, then one shuffle per epoch. Training runs on one thread.
 
 use arena::noise::Noise;
 use files::error::BadInput;
@@ -39,7 +39,8 @@ pub fn start_at_samples(
     map_of(grid, dims, code)
 }
 
-/// Code vectors whose components are uniform between the least and the greatest value of each component.
+/// Code vectors whose components are uniform between the least and the greatest value of each
+/// component.
 ///
 /// # Errors
 /// As [`map_of`].

@@ -74,8 +74,8 @@ pub struct DecisionFigure {
 /// Finds the decision, in the arena of Fig. 5.
 ///
 /// # Errors
-/// When an episode fails; [`EpisodeError::Silent`] when none of a hundred episodes has a decision that
-/// aims at a neighbor.
+/// When an episode fails; [`EpisodeError::Silent`] when none of a hundred episodes has a decision
+/// that aims at a neighbor.
 pub fn decision(
     reading: &PaperReading,
     world: &World,

@@ -17,8 +17,8 @@ pub const fn isqrt(value: u64) -> u32 {
     }
 }
 
-/// Heron's iteration from above: with a division in one instruction three times as fast on the chip as the digit by digit
-/// root of `core`.
+/// Heron's iteration from above: with a division in one instruction three times as fast on the chip
+/// as the digit by digit root of `core`.
 #[inline(never)]
 pub const fn isqrt_u32(value: u32) -> u32 {
     if value < 2 {
@@ -36,8 +36,8 @@ pub const fn isqrt_u32(value: u32) -> u32 {
     root
 }
 
-/// `numerator / denominator` rounded towards 0; 0 for a denominator of 0. What fits is divided in 32 bits, which is one
-/// instruction on the chip and 64 bits are some 50.
+/// `numerator / denominator` rounded towards 0; 0 for a denominator of 0. What fits is divided in
+/// 32 bits, which is one instruction on the chip and 64 bits are some 50.
 #[must_use]
 pub fn quotient(numerator: i64, denominator: i64) -> i64 {
     let small = (i32::try_from(numerator), i32::try_from(denominator));
@@ -92,7 +92,8 @@ pub const fn exp_neg(x_q16: u32) -> u32 {
     })
 }
 
-/// log₂(`numerator`/`denominator`) in Q16, rounded down to 2⁻¹⁶; 0 where the ratio is below 1 or not a number.
+/// log₂(`numerator`/`denominator`) in Q16, rounded down to 2⁻¹⁶; 0 where the ratio is below 1 or
+/// not a number.
 #[must_use]
 pub const fn log2_ratio(numerator: u32, denominator: u32) -> u32 {
     if denominator == 0 || numerator <= denominator {

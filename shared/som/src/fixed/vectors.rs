@@ -1,6 +1,7 @@
 //! Vectors of weights: products, distances, and a step from one towards another.
 //!
-//! Components lie in [−1, 1]; then a product is at most 2²⁶ in units of 2⁻²⁶, and 31 of them fit an `i32`.
+//! Components lie in [−1, 1]; then a product is at most 2²⁶ in units of 2⁻²⁶, and 31 of them fit an
+//! `i32`.
 
 use super::{Gain, Mask, Weight, Weight32, to_weight16};
 
@@ -44,8 +45,8 @@ impl Scalar for Weight32 {
 pub const fn approach(from: Weight32, to: Weight32, gain: Gain) -> Weight32 {
     // Values in [−1, 1] differ by at most 2³⁰.
     let difference = to.to_bits().wrapping_sub(from.to_bits());
-    // The step is the upper half of difference · 4 gain. From 1/2 on, 4 gain leaves 31 bits and wraps to
-    // 4 gain − 2³², which lacks just one difference: such a step starts at `to` instead.
+    // The step is the upper half of difference · 4 gain. From 1/2 on, 4 gain leaves 31 bits and
+    // wraps to 4 gain − 2³², which lacks just one difference: such a step starts at `to` instead.
     let step = high_product(difference, gain.to_q32());
     let start = if gain.is_below_half() { from } else { to };
     Weight32::from_bits(start.to_bits().wrapping_add(step))
@@ -57,8 +58,8 @@ pub(crate) const fn high_product(a: i32, b: i32) -> i32 {
     ((a as i64 * b as i64) >> 32) as i32
 }
 
-/// Products that are summed in 32 bits before they are widened: 16 · 2²⁶ = 2³⁰. Compilers turn such a
-/// block into paired multiply–adds.
+/// Products that are summed in 32 bits before they are widened: 16 · 2²⁶ = 2³⁰. Compilers turn such
+/// a block into paired multiply–adds.
 const BLOCK: usize = 16;
 
 /// Sum of products of the 16-bit values of two vectors, in units of 2⁻²⁶; the shorter one decides.

@@ -40,7 +40,8 @@ impl Twin {
     }
 }
 
-/// A ring in a rectangular room: smooth values in [0, 1] with a little noise, as a situation has them.
+/// A ring in a rectangular room: smooth values in [0, 1] with a little noise, as a situation has
+/// them.
 fn sonar_like(generator: &mut Xoshiro256PlusPlus) -> [Weight; 16] {
     let mut uniform = || f64::from(generator.next_u32() >> 8) / f64::from(1 << 24);
     let sides = [3.0 + 5.0 * uniform(), 3.0 + 5.0 * uniform()];
@@ -67,12 +68,13 @@ const SEEDS: u64 = if cfg!(miri) { 1 } else { 10 };
 const STEPS: u32 = if cfg!(miri) { 40 } else { 20_000 };
 const PROBES: usize = if cfg!(miri) { 40 } else { 10_000 };
 
-/// 20 000 presentations in fixed point and, from the same start and on the same sequence, in 64-bit floats, each map
-/// learning at its own winners: the winner is the same for at least 99.5 % of 10 000 probes afterwards (and of the
-/// presentations), the quantization error within 0.5 %.
+/// 20 000 presentations in fixed point and, from the same start and on the same sequence, in 64-bit
+/// floats, each map learning at its own winners: the winner is the same for at least 99.5 % of 10
+/// 000 probes afterwards (and of the presentations), the quantization error within 0.5 %.
 ///
-/// Where two neurons are equally near the last bit decides, and two maps that once learned at different neurons may part
-/// for good. That the two stay together needs all of it: 32-bit code vectors, winners in full precision, fine gains.
+/// Where two neurons are equally near the last bit decides, and two maps that once learned at
+/// different neurons may part for good. That the two stay together needs all of it: 32-bit code
+/// vectors, winners in full precision, fine gains.
 #[test]
 fn the_fixed_point_map_is_its_twin_in_floats() {
     let rate = Schedule::from_q16(32_768, 655, Decay::Exponential);
