@@ -145,7 +145,7 @@ mod tests {
     #[test]
     fn whatever_a_check_builds_is_built_before() {
         let count = |check| builds(check).map(|commands| commands.len());
-        assert_eq!(count("cargo test -p amp --lib -- shield"), Ok(1));
+        assert_eq!(count("cargo test -p amp-mind --lib -- shield"), Ok(1));
         assert_eq!(count("tests/campaign drift"), Ok(1));
         assert_eq!(count("tests/campaign chip-link --count 300"), Ok(2));
         assert_eq!(count("cargo test -p tests --test bridge"), Ok(2));
@@ -156,7 +156,7 @@ mod tests {
         );
         assert_eq!(count("cd tests/chip && cargo test --test stack"), Ok(3));
         assert!(count("tests/miri").is_err());
-        let built = builds("cargo test -p amp --lib -- a").expect("a command");
-        assert_eq!(built, ["cargo test --no-run -p amp --lib -- a"]);
+        let built = builds("cargo test -p amp-mind --lib -- a").expect("a command");
+        assert_eq!(built, ["cargo test --no-run -p amp-mind --lib -- a"]);
     }
 }

@@ -146,6 +146,24 @@ pub struct Motion {
     pub speed_mm_s: u16,
 }
 
+impl Motion {
+    /// The base's report about this motion; the arguments are those of [`Event::Odometry`].
+    #[must_use]
+    pub const fn report<const SENSORS: usize>(
+        self,
+        moved: Displacement,
+        turned: Bearing,
+        progress: Progress,
+    ) -> Event<SENSORS> {
+        Event::Odometry {
+            motion: self.id,
+            moved,
+            turned,
+            progress,
+        }
+    }
+}
+
 /// The outputs of one event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Outputs<const SENSORS: usize> {
