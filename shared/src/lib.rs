@@ -61,6 +61,11 @@
 #[cfg(test)]
 extern crate std;
 
+/// The examples of the crate's page run as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
 pub mod action_map;
 mod arrays;
 pub mod config;

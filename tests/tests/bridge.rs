@@ -165,7 +165,7 @@ fn an_interrupted_bridge_tells_the_base_to_stand() {
     assert_eq!(code, Some(2));
     assert_eq!(
         stderr,
-        "host-sim: interrupted; the base was told to stand\n"
+        "host-sim: interrupted; the base was stopped\n"
     );
     assert!(figures(&stdout)["distance_m"].as_f64() > Some(0.0));
     sleep(BRAKING);
@@ -283,7 +283,7 @@ fn blocked_wheels_stop_the_robot_of_a_mind_elsewhere() {
     assert_eq!(
         stderr,
         format!(
-            "host-sim: {to_mind}: the mind stopped: its motion did not end in time: the wheels may be blocked; the robot was stopped\n"
+            "host-sim: {to_mind}: the controller stopped: its motion did not end in time: the wheels may be blocked; the robot was stopped\n"
         )
     );
     sleep(BRAKING);
@@ -338,7 +338,7 @@ fn without_its_chip_the_base_is_told_to_stand() {
     assert_eq!(
         stderr,
         format!(
-            "host-sim: {to_mind}: the mind has started anew (its program panicked); the robot was stopped\n"
+            "host-sim: {to_mind}: the controller has restarted (its program panicked); the robot was stopped\n"
         )
     );
     assert!(

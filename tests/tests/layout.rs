@@ -197,6 +197,39 @@ fn no_file_is_long_without_saying_why() {
     assert!(long.is_empty(), "{long:#?}");
 }
 
+/// Longest line of a comment, columns.
+const MAX_COLUMNS: usize = 100;
+
+/// Comments wider than that, drawings in fences and tables aside: path, line, columns.
+fn wide_comments(path: &Path) -> Vec<(PathBuf, usize, usize)> {
+    let mut is_drawing = false;
+    let mut found = Vec::new();
+    for (index, line) in text(path).lines().enumerate() {
+        let comment = line.trim_start();
+        if !comment.starts_with("//") {
+            is_drawing = false;
+            continue;
+        }
+        is_drawing ^= comment.contains("```");
+        let columns = line.chars().count();
+        let is_table = comment.contains("| ");
+        if !is_drawing && !is_table && columns > MAX_COLUMNS {
+            found.push((path.to_path_buf(), index + 1, columns));
+        }
+    }
+    found
+}
+
+#[test]
+fn no_comment_is_wider_than_a_screen() {
+    let mut files = Vec::new();
+    for folder in ["shared", "firmware", "host-sim", "tests/src", "tests/tests"] {
+        sources(&root().join(folder), &mut files);
+    }
+    let wide: Vec<_> = files.iter().flat_map(|path| wide_comments(path)).collect();
+    assert!(wide.is_empty(), "{wide:#?}");
+}
+
 #[test]
 fn every_file_says_what_it_is_for() {
     for file in all() {

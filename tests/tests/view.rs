@@ -579,5 +579,5 @@ fn a_mind_at_the_end_of_a_link_is_watched_until_it_is_lost() {
         now["mode"] == "failed" && now["why"].is_string()
     });
     let refused = steerer.order(seek).expect_err("the mind is gone");
-    assert!(refused.contains("start anew"), "{refused}");
+    assert!(refused.contains("restart"), "{refused}");
 }

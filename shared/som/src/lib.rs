@@ -63,6 +63,11 @@ extern crate alloc;
 #[cfg(test)]
 extern crate std;
 
+/// The examples of the crate's page run as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
 mod codebook;
 #[cfg(feature = "alloc")]
 mod dyn_som;

@@ -266,8 +266,8 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         }
     }
 
-    /// |w|² − 2 w·x of each code vector over the components in `mask`, by 16-bit values, in units of
-    /// 2⁻²⁶: the smaller, the nearer.
+    /// |w|² − 2 w·x of each code vector over the components in `mask`, by 16-bit values, in units
+    /// of 2⁻²⁶: the smaller, the nearer.
     #[inline(never)]
     #[must_use]
     pub fn scores(&self, probe: &[Weight; DIMS], mask: Mask) -> [i64; NEURONS] {
