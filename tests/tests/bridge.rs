@@ -163,10 +163,7 @@ fn an_interrupted_bridge_tells_the_base_to_stand() {
     driver.interrupt();
     let (code, stdout, stderr) = driver.end(Duration::from_secs(3));
     assert_eq!(code, Some(2));
-    assert_eq!(
-        stderr,
-        "host-sim: interrupted; the base was stopped\n"
-    );
+    assert_eq!(stderr, "host-sim: interrupted; the base was stopped\n");
     assert!(figures(&stdout)["distance_m"].as_f64() > Some(0.0));
     sleep(BRAKING);
     assert_stands(&robot);

@@ -75,7 +75,10 @@ fn a_killed_run_leaves_a_log_up_to_its_last_chunk() {
     let said = program.ok("replay cut.mcap");
     assert!(said.contains("every one identical"), "{said}");
     let summary = program.ok("log cut.mcap");
-    assert!(summary.contains("cut off: its writer was interrupted"), "{summary}");
+    assert!(
+        summary.contains("cut off: its writer was interrupted"),
+        "{summary}"
+    );
 }
 
 #[test]
