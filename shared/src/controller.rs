@@ -22,7 +22,7 @@ use crate::config::Config;
 use crate::faults::Detector;
 use crate::fixed::Mask;
 use crate::memory::Memory;
-use crate::planner::Memo;
+use crate::planner::SearchCache;
 use crate::scan::{Echo, Scan};
 use crate::shield::Shield;
 use crate::som::kernels::Kernels;
@@ -93,7 +93,7 @@ pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usiz
     /// Decisions for which each action neuron stays inhibited.
     inhibited: [u8; NEURONS],
     /// What the searches of the last decision found.
-    last_plan: Memo,
+    last_plan: SearchCache,
     /// How the search for a place goes.
     search: SearchProgress,
 }
@@ -133,7 +133,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             course: Tracked::ZERO,
             blocked: 0,
             inhibited: [0; NEURONS],
-            last_plan: Memo::NONE,
+            last_plan: SearchCache::NONE,
             search: SearchProgress::NEW,
         }
     }

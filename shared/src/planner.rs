@@ -1,13 +1,8 @@
-//! The paper's four steps (section 2.5, Fig. 3), with every intermediate value.
+//! Selects an action in the paper's four steps (section 2.5, Fig. 3); never learns or moves.
 //!
-//! 1. find the neuron that stands for the *goal* situation;
-//! 2. find the neuron of the *present* situation;
-//! 3. choose a *neighbor* of it nearer to the goal: the intermediate situation;
-//! 4. probe the action map with the change of situation wanted; it answers with an action.
-//!
-//! With [`PlannerKind::Recall`] these are the steps. The other choices ask the action map the other
-//! way round: what change does each action bring, and which of the situations to come is nearest to
-//! the goal (`look_ahead`).
+//! Steps: goal neuron, current neuron, subgoal (a neighbor of the current neuron nearer to the
+//! goal), and the action that the action map recalls for the change towards the subgoal. The other
+//! [`PlannerKind`]s replace the last two steps by a search one step ahead (`look_ahead`).
 
 use crate::action_map::{ActionMap, Match, Preference, Probe};
 use crate::config::{AtGoal, Config, PlannerKind, Subgoal};
@@ -23,33 +18,33 @@ mod forward_model;
 mod goal_neuron;
 mod look_ahead;
 
-pub(crate) use goal_neuron::Memo;
+pub(crate) use goal_neuron::SearchCache;
 use goal_neuron::cost;
-use look_ahead::Aim;
+use look_ahead::GoalView;
 
-/// Why the planner chose what it chose.
+/// The reason for the selected action.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Why {
-    /// A neighbor nearer to the goal was aimed at.
+    /// The subgoal is a neighbor nearer to the goal.
     Neighbour,
-    /// The present neuron is the goal neuron: the goal itself was aimed at.
+    /// The current neuron is the goal neuron: the target is the goal itself.
     GoalNeuron,
-    /// No neighbor is nearer to the goal than the present neuron: the goal itself was aimed at.
+    /// No neighbor is nearer to the goal than the current neuron: the target is the goal itself.
     NoNearerNeighbour,
-    /// The choice was to aim at the goal itself.
+    /// The configuration makes the goal itself the target.
     GoalDirectly,
-    /// The goal holds: the last displacement goes on.
+    /// The goal holds: the last displacement is repeated.
     KeepCourse,
-    /// The goal holds, but the last move on this course was cut short: another course.
+    /// The goal holds, but the last move on this course was cut short: the course turns.
     TurnCourse,
     /// The goal holds: straight ahead.
     StraightAhead,
-    /// The situation this action leads to is nearest to the goal.
+    /// The expected situation after this action is nearest to the goal.
     LookAhead,
     /// No action leads nearer to the goal than standing still.
     Stay,
-    /// No action led nearer to the goal for some time: obstacles are avoided on another course for
-    /// a while.
+    /// No action led nearer to the goal for some time: the robot avoids obstacles on another course
+    /// for a limited time.
     Wander,
 }
 
@@ -76,26 +71,26 @@ impl core::fmt::Display for Why {
 pub struct Plan<const SENSORS: usize> {
     /// Neuron that stands for the goal.
     pub goal_neuron: u8,
-    /// Best-matching unit of the present situation.
+    /// Best-matching unit of the current situation.
     pub current_neuron: u8,
-    /// Neuron aimed at.
+    /// Neuron of the subgoal.
     pub intermediate_neuron: u8,
-    /// Change of situation wanted: the probe of the action map.
+    /// Wanted change of situation: the probe of the action map.
     #[serde(with = "crate::arrays")]
     pub wanted: [Weight; SENSORS],
-    /// Neuron of the action map that answered.
+    /// Best-matching neuron of the action map.
     pub action_neuron: u8,
     /// The goal holds.
     pub at_goal: bool,
-    /// The action is the one the action map recalled, not what is done at the goal.
+    /// The action comes from the action map, not from the rule for a goal that holds.
     pub recalled: bool,
-    /// The move asked for, in the ring's frame, before the shield.
+    /// The requested move in the ring's frame, before the shield.
     pub action: Displacement,
-    /// Why.
+    /// Reason for the action.
     pub why: Why,
 }
 
-/// The maps and the moment a plan is made of.
+/// The inputs of one decision: configuration, maps and robot state.
 #[derive(Debug, Clone, Copy)]
 pub struct Planner<'a, const SENSORS: usize, const NEURONS: usize> {
     /// The configuration.
@@ -104,51 +99,51 @@ pub struct Planner<'a, const SENSORS: usize, const NEURONS: usize> {
     pub situations: &'a Som<NEURONS, SENSORS>,
     /// The map of changes and actions.
     pub actions: &'a ActionMap<NEURONS, SENSORS>,
-    /// Transducers that are used.
+    /// Enabled transducers.
     pub enabled: Mask,
-    /// Action neurons that may answer.
+    /// Action neurons that are not inhibited.
     pub allowed: Mask,
-    /// Best-matching unit of the situation, if it is known already.
+    /// Best-matching unit of the situation; `None` = not searched yet.
     pub current: Option<usize>,
-    /// The last displacement, in the ring's present frame.
+    /// The last displacement, in the ring's current frame.
     pub course: Displacement,
     /// The last displacement was cut below half.
     pub cut: bool,
 }
 
 impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
-    /// The decision for one situation and one goal: the paper's steps 1 and 2, then 3 and 4 or the
-    /// look-ahead.
+    /// The decision for one situation and one goal.
     #[must_use]
     pub fn plan(&self, situation: &Situation<SENSORS>, goal: &Goal<SENSORS>) -> Plan<SENSORS> {
-        let mut nothing = Memo::NONE;
-        self.plan_next(situation, goal, &mut nothing)
+        let mut cache = SearchCache::NONE;
+        self.plan_next(situation, goal, &mut cache)
     }
 
-    /// The same after another decision, whose searches warm-start this one's and never change it.
+    /// As [`plan`](Self::plan). The cache warm-starts the searches and never changes the result.
     pub(crate) fn plan_next(
         &self,
         situation: &Situation<SENSORS>,
         goal: &Goal<SENSORS>,
-        last: &mut Memo,
+        cache: &mut SearchCache,
     ) -> Plan<SENSORS> {
-        let travel = self.travel_sensor_from(last.travel(), situation, goal);
-        let mut asked = [ValueBounds::ANYTHING; SENSORS];
-        for (slot, asked) in asked.iter_mut().zip(goal.asked(travel, self.enabled)) {
-            *slot = asked;
+        let travel = self.travel_sensor_from(cache.travel(), situation, goal);
+        let mut bounds = [ValueBounds::ANYTHING; SENSORS];
+        for (slot, bounds) in bounds.iter_mut().zip(goal.asked(travel, self.enabled)) {
+            *slot = bounds;
         }
-        // Steps 1 and 2.
-        let goal_neuron = last.goal_neuron(self, travel, &asked);
+        // Step 1: goal neuron.
+        let goal_neuron = cache.goal_neuron(self, travel, &bounds);
+        // Step 2: current neuron.
         let current = self.current_neuron(situation);
-        // Steps 3 and 4, or the look-ahead in their place.
+        // Steps 3 and 4: subgoal and action, or the look-ahead in their place.
         match self.config.planning.planner {
             PlannerKind::Recall => {
                 let goal = goal.towards(travel);
-                self.recall(situation, &goal, &asked, [goal_neuron, current])
+                self.plan_by_recall(situation, &goal, &bounds, [goal_neuron, current])
             }
             PlannerKind::BestNeuron | PlannerKind::BestHeading => {
-                let aim = Aim::new(self, goal, &asked, travel);
-                self.look_ahead(situation, &aim, [goal_neuron, current])
+                let view = GoalView::new(self, goal, &bounds, travel);
+                self.plan_by_look_ahead(situation, &view, [goal_neuron, current])
             }
         }
     }
@@ -159,14 +154,14 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         self.current.unwrap_or_else(search)
     }
 
-    /// Step 3: the neighbor of the current neuron that is nearest to the goal, and why it or
-    /// another neuron is aimed at.
+    /// Step 3: the subgoal and the reason for it: the neighbor of the current neuron nearest to
+    /// the goal, or the goal neuron.
     #[inline(never)]
     fn subgoal(
         &self,
         current: usize,
         goal_neuron: usize,
-        asked: &[ValueBounds; SENSORS],
+        bounds: &[ValueBounds; SENSORS],
     ) -> (usize, Why) {
         let grid = self.situations.grid();
         let by_hops = match self.config.planning.subgoal {
@@ -175,7 +170,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             Subgoal::FewestHops => true,
             Subgoal::NearestCode => false,
         };
-        let cost = |neuron: usize| cost(self.situations, neuron, asked, i64::MAX);
+        let cost = |neuron: usize| cost(self.situations, neuron, bounds, i64::MAX);
         let hops = |neuron: usize| {
             if by_hops {
                 grid.hops(neuron, goal_neuron)
@@ -190,23 +185,23 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         }
     }
 
-    /// Steps 3 and 4: what the action map recalls for the change that leads to the subgoal.
+    /// Steps 3 and 4: the action that the action map recalls for the change to the subgoal.
     #[inline(never)]
-    fn recall(
+    fn plan_by_recall(
         &self,
         situation: &Situation<SENSORS>,
         goal: &Goal<SENSORS>,
-        asked: &[ValueBounds; SENSORS],
+        bounds: &[ValueBounds; SENSORS],
         [goal_neuron, current]: [usize; 2],
     ) -> Plan<SENSORS> {
-        let (subgoal, why) = self.subgoal(current, goal_neuron, asked);
-        let aim = (why == Why::Neighbour).then_some(subgoal);
-        let wanted = self.change_wanted(situation, goal, current, aim);
-        let answer = self.answer(&wanted);
+        let (subgoal, why) = self.subgoal(current, goal_neuron, bounds);
+        let subgoal_neuron = (why == Why::Neighbour).then_some(subgoal);
+        let wanted = self.wanted_change(situation, goal, current, subgoal_neuron);
+        let answer = self.best_match(&wanted);
         let at_goal = goal.holds(situation, self.enabled, self.config.planning.tolerance);
         let (action, why) = match at_goal {
-            true => self.at_goal(),
-            false => (self.recalled(&answer), why),
+            true => self.action_at_goal(),
+            false => (self.action(&answer), why),
         };
         Plan {
             goal_neuron: goal_neuron as u8,
@@ -221,17 +216,17 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         }
     }
 
-    /// The change from the situation to the neuron aimed at, or to the goal itself.
-    fn change_wanted(
+    /// The change from the situation to the subgoal, or to the goal itself without one.
+    fn wanted_change(
         &self,
         situation: &Situation<SENSORS>,
         goal: &Goal<SENSORS>,
         current: usize,
-        aim: Option<usize>,
+        subgoal_neuron: Option<usize>,
     ) -> [Weight; SENSORS] {
         let planning = &self.config.planning;
         let code = |neuron: usize| self.situations.code().get(neuron);
-        let target = aim.and_then(code);
+        let target = subgoal_neuron.and_then(code);
         let start = code(current).filter(|_| !planning.from_measured);
         let mut wanted = [Weight::ZERO; SENSORS];
         for (sensor, (change, value)) in wanted.iter_mut().zip(situation).enumerate() {
@@ -243,13 +238,13 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             let part = |code: &[Weight32; SENSORS]| code.get(sensor).copied().map(to_weight16);
             let to = target.and_then(part).unwrap_or(met);
             let from = start.and_then(part).unwrap_or(*value);
-            *change = less(to, from);
+            *change = clamped_difference(to, from);
         }
         wanted
     }
 
-    /// Step 4: what the action map answers to a change wanted.
-    fn answer(&self, wanted: &[Weight; SENSORS]) -> Match<NEURONS> {
+    /// Step 4, search: the neuron of the action map that best matches the wanted change.
+    fn best_match(&self, wanted: &[Weight; SENSORS]) -> Match<NEURONS> {
         let planning = &self.config.planning;
         let (code, step) = (self.config.action_code, self.config.robot.step_mm);
         let preference = (planning.straight_q8 > 0).then(|| Preference {
@@ -266,16 +261,16 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         answer
     }
 
-    /// The displacement that an answer stands for.
+    /// Step 4, decode: the displacement of the match.
     #[inline(never)]
-    fn recalled(&self, found: &Match<NEURONS>) -> Displacement {
+    fn action(&self, found: &Match<NEURONS>) -> Displacement {
         let step = self.config.robot.step_mm;
         let planning = &self.config.planning;
         let decode = |code| self.config.action_code.decode(code, step);
         let mut action = decode(self.actions.actions().code_vector(found.neuron));
         if planning.together && !self.cut {
             let mean = decode(self.actions.together(found, self.allowed));
-            // Answers that cancel out say nothing: the best one decides.
+            // Matches that cancel out have no direction: the best one decides.
             if mean.length_mm() >= step / 8 {
                 action = mean;
             }
@@ -292,9 +287,9 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         }
     }
 
-    /// The goal asks for no change, so nothing is recalled: the robot goes on as it went, or, where
-    /// it could not, on a course turned by a part of the ring that comes by every place in turn.
-    fn at_goal(&self) -> (Displacement, Why) {
+    /// The action where the goal holds: the last course, or, after a cut move, the course turned by
+    /// [`NEXT_COURSE`]. Repeated turns visit every sensor direction of the ring.
+    fn action_at_goal(&self) -> (Displacement, Why) {
         let step = self.config.robot.step_mm;
         let course = self.course.with_length(step);
         let keeps = self.config.planning.at_goal == AtGoal::KeepCourse;
@@ -309,14 +304,13 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     }
 }
 
-/// More than the cost of anything that may be chosen; a sum with one is no overflow.
-const FAR: i64 = i64::MAX / 2;
+/// Above the cost of any candidate; adding such a cost cannot overflow.
+const MAX_COST: i64 = i64::MAX / 2;
 
-/// The index of least cost and its cost, the lowest on ties; `count` where none costs less than
-/// [`FAR`]. A cost that reaches the limit may be more than that: after a good first guess most need
-/// not be summed to the end.
-fn cheapest(count: usize, first: usize, cost: impl Fn(usize, i64) -> i64) -> (usize, i64) {
-    let (mut best, mut least) = (count, FAR);
+/// The index of least cost and its cost, the lowest index on ties; `count` where no cost is below
+/// [`MAX_COST`]. `cost(index, limit)` may stop summing at `limit`: a good `first` saves work.
+fn argmin(count: usize, first: usize, cost: impl Fn(usize, i64) -> i64) -> (usize, i64) {
+    let (mut best, mut least) = (count, MAX_COST);
     for index in core::iter::once(first).chain(0..count) {
         let limit = least.wrapping_add(i64::from(index < best));
         if index < count && index != best {
@@ -340,13 +334,13 @@ pub fn difference<const SENSORS: usize>(
 ) -> [Weight; SENSORS] {
     let mut change = *to;
     for (value, start) in change.iter_mut().zip(from) {
-        *value = less(*value, *start);
+        *value = clamped_difference(*value, *start);
     }
     change
 }
 
 /// `to − from`, clamped to [−1, 1].
-fn less(to: Weight, from: Weight) -> Weight {
+fn clamped_difference(to: Weight, from: Weight) -> Weight {
     unit_weight(i32::from(to.to_bits()).wrapping_sub(i32::from(from.to_bits())))
 }
 

@@ -12,7 +12,7 @@ use super::{Mode, State};
 use crate::faults::Detector;
 use crate::fixed::Weight32;
 use crate::memory::Sample;
-use crate::planner::Memo;
+use crate::planner::SearchCache;
 use crate::som::Som;
 use crate::units::Displacement;
 use serde::{Deserialize, Serialize};
@@ -175,7 +175,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.motion_id = 0;
         self.course = Tracked::ZERO;
         self.inhibited = [0; NEURONS];
-        self.last_plan = Memo::NONE;
+        self.last_plan = SearchCache::NONE;
         self.search = super::SearchProgress::NEW;
     }
 }

@@ -1,93 +1,91 @@
-//! How far the situation to come deviates from a goal, over all displacements of a step.
+//! Deviation of the expected situation from a goal over all displacements; never picks one.
 //!
-//! Expected values are linear in the displacement, so most transducers' squared deviations are one
-//! quadratic form over the whole step, or do not change at all: their coefficients are summed once,
-//! and a direction costs a few products. Only transducers whose value may cross a bound within the
-//! step are looked at one by one.
+//! Expected values are linear in the displacement: most squared deviations add up to one quadratic
+//! form. Only transducers whose value may cross a bound within a step are evaluated one by one.
 
 use super::forward_model::{ForwardModel, Line};
 use crate::goal::{Over, ValueBounds};
 use crate::units::Direction;
 use heapless::Vec;
 
-/// What is asked of a transducer whose value may cross a bound.
+/// A transducer whose value may cross a bound within the step.
 #[derive(Debug, Clone, Copy)]
-struct Part {
+struct BentTerm {
     line: Line,
-    asked: ValueBounds,
+    bounds: ValueBounds,
 }
 
 /// Deviation from a goal as a function of the displacement, in units of 2⁻²⁶ · weight.
 pub(super) struct CostSurface<const SENSORS: usize> {
-    form: Option<Form>,
-    parts: Vec<Part, SENSORS>,
+    form: Option<QuadraticForm>,
+    bent: Vec<BentTerm, SENSORS>,
     cap: i32,
 }
 
 impl<const SENSORS: usize> CostSurface<SENSORS> {
-    /// Of a goal that asks nothing and counts each deviation as at most `cap`.
+    /// The surface of a goal without bounds; `cap` limits each deviation.
     pub(super) const fn flat(cap: i32) -> Self {
         Self {
             form: None,
-            parts: Vec::new(),
+            bent: Vec::new(),
             cap,
         }
     }
 
-    /// Says what is asked of each transducer.
+    /// Adds the bounds of each transducer.
     pub(super) fn shape(
         &mut self,
         forward: &ForwardModel<SENSORS>,
-        asked: &[ValueBounds; SENSORS],
+        bounds: &[ValueBounds; SENSORS],
     ) {
-        let mut sums = Sums::default();
+        let mut sums = FormSums::default();
         let mut smooth = false;
-        for (asked, line) in asked.iter().zip(forward.lines()) {
-            if asked.weight() == 0 {
+        for (bounds, line) in bounds.iter().zip(forward.lines()) {
+            if bounds.weight() == 0 {
                 continue;
             }
-            match asked.over(line.range(), self.cap) {
+            match bounds.over(line.range(), self.cap) {
                 Over::Met => {}
                 Over::Capped => {
                     smooth = true;
-                    sums.level = sums.level.wrapping_add(asked.most(self.cap));
+                    sums.level = sums.level.wrapping_add(bounds.most(self.cap));
                 }
                 Over::Square(target) => {
                     smooth = true;
-                    sums.add(line, target, asked.weight());
+                    sums.add(line, target, bounds.weight());
                 }
-                // As many as there are transducers.
-                Over::Bent => drop(self.parts.push(Part {
+                // Never full: one slot per transducer.
+                Over::Bent => drop(self.bent.push(BentTerm {
                     line: *line,
-                    asked: *asked,
+                    bounds: *bounds,
                 })),
             }
         }
         self.form = smooth.then(|| sums.form());
     }
 
-    /// The deviation after a displacement given as shares of the longest step, Q14; what reaches
-    /// `limit` may be more.
+    /// The deviation after a displacement given as shares of the longest step, Q14; the sum may
+    /// stop once it reaches `limit`.
     pub(super) fn at(&self, share: Direction, limit: i64) -> i64 {
         let mut total = self.form.as_ref().map_or(0, |form| form.at(share));
-        for part in &self.parts {
+        for term in &self.bent {
             if total >= limit {
                 break;
             }
-            let value = part.line.after(share);
-            // Most values are as asked: nothing to multiply.
-            if !part.asked.holds(value) {
-                total = total.wrapping_add(part.asked.deviation(value, self.cap));
+            let value = term.line.after(share);
+            // Most values are within their bounds: no product needed.
+            if !term.bounds.holds(value) {
+                total = total.wrapping_add(term.bounds.deviation(value, self.cap));
             }
         }
         total
     }
 }
 
-/// What the quadratic form is summed from.
+/// 64-bit sums of the quadratic form.
 #[derive(Default)]
-struct Sums {
-    /// w e², where w is the weight and e the deviation where the robot stands.
+struct FormSums {
+    /// w e², where w is the weight and e the deviation at the current position.
     level: i64,
     /// w e a, at most 2³⁹; a is the slope along x and y.
     slope: [i64; 2],
@@ -95,7 +93,7 @@ struct Sums {
     bend: [i64; 3],
 }
 
-impl Sums {
+impl FormSums {
     fn add(&mut self, line: &Line, target: i32, weight: i32) {
         let (now, x, y) = line.coefficients();
         let product = |a: i32, b: i32| i64::from(a) * i64::from(b);
@@ -116,8 +114,8 @@ impl Sums {
         *yy = yy.wrapping_add(product(y_w, y));
     }
 
-    fn form(&self) -> Form {
-        Form {
+    fn form(&self) -> QuadraticForm {
+        QuadraticForm {
             level: self.level,
             slope: self.slope.map(|sum| (sum >> 9) as i32),
             bend: self.bend.map(|sum| (sum >> 10) as i32),
@@ -126,7 +124,7 @@ impl Sums {
 }
 
 /// A quadratic form in 32 bits: one instruction of the chip per product.
-struct Form {
+struct QuadraticForm {
     level: i64,
     /// In units of 2⁹ of the sums.
     slope: [i32; 2],
@@ -134,7 +132,7 @@ struct Form {
     bend: [i32; 3],
 }
 
-impl Form {
+impl QuadraticForm {
     fn at(&self, share: Direction) -> i64 {
         let (x, y) = (i32::from(share.x_q14), i32::from(share.y_q14));
         let product = |a: i32, b: i32| i64::from(a) * i64::from(b);
@@ -178,28 +176,28 @@ mod tests {
         #[test]
         fn it_is_the_deviation_of_the_expected_values(
             situation in prop::array::uniform4(0_i16..=8_192),
-            bounds in prop::array::uniform4((0_i16..=8_192, 0_i16..=8_192, 0_u8..20)),
+            components in prop::array::uniform4((0_i16..=8_192, 0_i16..=8_192, 0_u8..20)),
             slopes in prop::array::uniform2(prop::array::uniform4(-1_500_i16..=1_500)),
             cap in 0_i16..=8_192,
             turns in any::<u16>(),
         ) {
-            let mut goal = Goal::of(bounds.map(|(a, b, weight)| Component {
+            let mut goal = Goal::of(components.map(|(a, b, weight)| Component {
                 low: Weight::from_bits(a.min(b)),
                 high: Weight::from_bits(a.max(b)),
                 weight,
             }));
             goal.cap = Weight::from_bits(cap);
-            let mut asked = goal.asked(0, Mask::ALL);
-            let asked = core::array::from_fn(|_| asked.next().unwrap());
+            let mut bounds = goal.asked(0, Mask::ALL);
+            let bounds = core::array::from_fn(|_| bounds.next().unwrap());
             let forward = forward(situation.map(Weight::from_bits), slopes);
             let mut cost_surface = CostSurface::flat(goal.cap_bits());
-            cost_surface.shape(&forward, &asked);
+            cost_surface.shape(&forward, &bounds);
             let share = crate::units::Bearing::from_turns(turns).direction();
             let values = forward.after(share);
-            let exact = cost_of(asked.into_iter(), values.into_iter(), goal.cap_bits(), i64::MAX);
+            let exact = cost_of(bounds.into_iter(), values.into_iter(), goal.cap_bits(), i64::MAX);
             let found = cost_surface.at(share, i64::MAX);
             // Each value is rounded down to one unit; the form's coefficients to 2⁹ and 2¹⁰.
-            let weights: i64 = bounds.iter().map(|(_, _, weight)| i64::from(*weight)).sum();
+            let weights: i64 = components.iter().map(|(_, _, weight)| i64::from(*weight)).sum();
             let bound = weights * (2 * i64::from(cap) + 2) + 5 * 1_024;
             prop_assert!((exact - found).abs() <= bound, "{exact} {found} {bound}");
         }

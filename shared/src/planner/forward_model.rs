@@ -1,18 +1,20 @@
-//! What an action brings: a linear map fitted to the pairs of the action map.
+//! Predicts the change of situation by an action: a linear least-squares fit to the action map.
+//!
+//! Never changes the map.
 
 use crate::action_map::{ActionCode, ActionMap};
 use crate::fixed::{Weight, to_weight16};
 use crate::scan::Situation;
 use crate::units::Direction;
 
-/// The linear map from displacements to changes of situation, from the present one on.
+/// The linear map from displacements to changes of the current situation.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct ForwardModel<const SENSORS: usize> {
     lines: [Line; SENSORS],
 }
 
 impl<const SENSORS: usize> ForwardModel<SENSORS> {
-    /// From this situation nothing changes, whatever the action.
+    /// A model that predicts no change from this situation.
     pub(super) fn from(situation: &Situation<SENSORS>) -> Self {
         let mut lines = [Line::default(); SENSORS];
         for (line, value) in lines.iter_mut().zip(situation) {
@@ -21,7 +23,8 @@ impl<const SENSORS: usize> ForwardModel<SENSORS> {
         Self { lines }
     }
 
-    /// Fits an action map's neurons; no change at all where their actions do not span the plane.
+    /// Fits the neurons of an action map; predicts no change where their actions do not span the
+    /// plane.
     #[inline(never)]
     pub(super) fn fit<const NEURONS: usize>(
         &mut self,
@@ -62,7 +65,7 @@ impl<const SENSORS: usize> ForwardModel<SENSORS> {
         }
     }
 
-    /// How each transducer's value changes.
+    /// The prediction for each transducer.
     pub(super) const fn lines(&self) -> &[Line; SENSORS] {
         &self.lines
     }
@@ -78,10 +81,10 @@ impl<const SENSORS: usize> ForwardModel<SENSORS> {
     }
 }
 
-/// How one transducer's value changes with the displacement.
+/// One transducer's value as a linear function of the displacement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Line {
-    /// Present value, 2⁻¹³.
+    /// Current value, 2⁻¹³.
     now: i32,
     /// Change per longest step along x, 2⁻¹³.
     along_x: i32,
@@ -96,15 +99,15 @@ impl Line {
         change.wrapping_add(self.now).max(0)
     }
 
-    /// What the value, which counts as 0 below 0, surely lies between after any displacement up to
-    /// the longest step; unit vectors may be too long by a sixteenth.
+    /// Bounds of the value (clamped at 0) after any displacement up to the longest step; unit
+    /// vectors may be too long by a sixteenth.
     pub(super) fn range(&self) -> (i32, i32) {
         let most = self.along_x.abs().wrapping_add(self.along_y.abs());
         let most = most.wrapping_add(most >> 4).wrapping_add(2);
         (self.now.wrapping_sub(most), self.now.wrapping_add(most))
     }
 
-    /// Present value, changes per longest step along x and along y.
+    /// Current value, changes per longest step along x and along y.
     pub(super) const fn coefficients(&self) -> (i32, i32, i32) {
         (self.now, self.along_x, self.along_y)
     }
@@ -234,7 +237,7 @@ mod tests {
                     prop_assert!((f64::from(found) - exact).abs() < 3.0 + exact.abs() / 1_000.0, "{} {}", found, exact);
                 }
             }
-            // By sums that were kept it is the same to the last bit.
+            // The incremental sums give identical results.
             map.keep_products();
             let mut kept = ForwardModel::from(&situation);
             kept.fit(&map, ActionCode::Displacement, 250);

@@ -1,28 +1,26 @@
-//! Step 1: the neuron that stands for the goal, the one whose code vector costs least by what is
-//! asked.
+//! Step 1: finds the neuron whose code vector deviates least from the goal; never changes a map.
 //!
-//! A search over all neurons ([`search`]) is all there is to it. From one decision to the next
-//! mostly one neuron has changed, and [`Memo`] keeps what the last search found: it spares about 4
-//! 000 instructions of the 20 000 that a decision may take.
+//! The plain algorithm is [`search`]. [`SearchCache`] keeps the last result, because mostly one
+//! neuron changes between decisions: it saves about 4000 of 20 000 instructions per decision.
 
-use super::{Planner, cheapest};
+use super::{Planner, argmin};
 use crate::fixed::{Mask, to_weight16};
 use crate::goal::{ValueBounds, cost_of};
 use crate::som::Som;
 
-/// What the last decision's searches found.
+/// Search results of the last decision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Memo {
+pub(crate) struct SearchCache {
     neuron: u8,
     travel: u8,
     enabled: Mask,
-    /// What the neuron costs, while the goal is the same and no other neuron has changed than the
-    /// planner's current one.
+    /// Cost of the neuron; valid while the goal is the same and only the planner's current neuron
+    /// has changed.
     cost: Option<i64>,
 }
 
-impl Memo {
-    /// Nothing is known.
+impl SearchCache {
+    /// An empty cache.
     pub(crate) const NONE: Self = Self {
         neuron: 0,
         travel: 0,
@@ -35,23 +33,24 @@ impl Memo {
         self.travel as usize
     }
 
-    /// The goal is another, or more neurons have changed than the current one.
+    /// Invalidates the cost: the goal or other neurons than the current one have changed.
     pub(crate) const fn forget_cost(&mut self) {
         self.cost = None;
     }
 
-    /// The goal neuron for what is asked of a robot that looks along its travel sensor.
+    /// The goal neuron for the goal's bounds, rotated to the travel sensor.
     pub(super) fn goal_neuron<const SENSORS: usize, const NEURONS: usize>(
         &mut self,
         planner: &Planner<'_, SENSORS, NEURONS>,
         travel: usize,
-        asked: &[ValueBounds; SENSORS],
+        bounds: &[ValueBounds; SENSORS],
     ) -> usize {
         let map = planner.situations;
         let is_same = usize::from(self.travel) == travel && self.enabled == planner.enabled;
-        let known = self.cost.filter(|_| is_same);
-        let known = known.and_then(|cost| self.after_a_change(cost, planner.current, map, asked));
-        let (neuron, cost) = known.unwrap_or_else(|| search(map, self.neuron.into(), asked));
+        let cached = self.cost.filter(|_| is_same);
+        let cached =
+            cached.and_then(|cost| self.after_a_change(cost, planner.current, map, bounds));
+        let (neuron, cost) = cached.unwrap_or_else(|| search(map, self.neuron.into(), bounds));
         *self = Self {
             neuron: neuron as u8,
             travel: travel as u8,
@@ -61,21 +60,21 @@ impl Memo {
         neuron
     }
 
-    /// The goal neuron and its cost if no neuron but `changed` is another than before; `None` if it
-    /// takes a search.
+    /// The goal neuron and its cost where only neuron `changed` has changed; `None` where a full
+    /// search is needed.
     fn after_a_change<const SENSORS: usize, const NEURONS: usize>(
         &self,
         least: i64,
         changed: Option<usize>,
         map: &Som<NEURONS, SENSORS>,
-        asked: &[ValueBounds; SENSORS],
+        bounds: &[ValueBounds; SENSORS],
     ) -> Option<(usize, i64)> {
         let best = usize::from(self.neuron);
         let Some(changed) = changed else {
             return Some((best, least));
         };
         let limit = least.saturating_add(i64::from(changed <= best));
-        let cost = cost(map, changed, asked, limit);
+        let cost = cost(map, changed, bounds, limit);
         if cost < limit {
             return Some((changed, cost));
         }
@@ -87,20 +86,20 @@ impl Memo {
 fn search<const SENSORS: usize, const NEURONS: usize>(
     map: &Som<NEURONS, SENSORS>,
     first: usize,
-    asked: &[ValueBounds; SENSORS],
+    bounds: &[ValueBounds; SENSORS],
 ) -> (usize, i64) {
-    cheapest(NEURONS, first, |neuron, limit| {
-        cost(map, neuron, asked, limit)
+    argmin(NEURONS, first, |neuron, limit| {
+        cost(map, neuron, bounds, limit)
     })
 }
 
-/// How far a neuron's code vector is from what is asked, in units of 2⁻²⁶ · weight; what reaches
-/// `limit` may be more.
+/// Deviation of a neuron's code vector from the bounds, in units of 2⁻²⁶ · weight; the sum may stop
+/// once it reaches `limit`.
 #[inline(never)]
 pub(super) fn cost<const SENSORS: usize, const NEURONS: usize>(
     map: &Som<NEURONS, SENSORS>,
     neuron: usize,
-    asked: &[ValueBounds; SENSORS],
+    bounds: &[ValueBounds; SENSORS],
     limit: i64,
 ) -> i64 {
     let Some(code) = map.code().get(neuron) else {
@@ -109,7 +108,7 @@ pub(super) fn cost<const SENSORS: usize, const NEURONS: usize>(
     let values = code
         .iter()
         .map(|value| i32::from(to_weight16(*value).to_bits()));
-    cost_of(asked.iter().copied(), values, i32::MAX, limit)
+    cost_of(bounds.iter().copied(), values, i32::MAX, limit)
 }
 
 #[cfg(test)]
@@ -147,10 +146,10 @@ mod tests {
                     weight,
                 }
             }));
-            let mut asked = goal.asked(travel, Mask::ALL);
-            let asked = core::array::from_fn(|_| asked.next().unwrap());
+            let mut bounds = goal.asked(travel, Mask::ALL);
+            let bounds = core::array::from_fn(|_| bounds.next().unwrap());
             let config = Config::recommended();
-            let found = |situations: &Som<16, 16>, current: Option<usize>, mut memo: Memo| {
+            let found = |situations: &Som<16, 16>, current: Option<usize>, mut cache: SearchCache| {
                 let planner = Planner {
                     config: &config,
                     situations,
@@ -161,13 +160,13 @@ mod tests {
                     course: Displacement::ZERO,
                     cut: false,
                 };
-                let neuron = memo.goal_neuron(&planner, travel, &asked);
-                assert_eq!(usize::from(memo.neuron), neuron);
-                memo
+                let neuron = cache.goal_neuron(&planner, travel, &bounds);
+                assert_eq!(usize::from(cache.neuron), neuron);
+                cache
             };
-            let guessed = Memo { neuron: guess, ..Memo::NONE };
+            let guessed = SearchCache { neuron: guess, ..SearchCache::NONE };
             let before = found(&situations, None, guessed);
-            prop_assert_eq!(before, found(&situations, None, Memo::NONE));
+            prop_assert_eq!(before, found(&situations, None, SearchCache::NONE));
             if let Some(changed) = changed {
                 let to: [Weight; 16] = core::array::from_fn(|i| Weight::from_bits(learned[i]));
                 let wanted = goal.towards(travel).nearest(&to);
@@ -175,11 +174,11 @@ mod tests {
             }
             let current = changed.or(Some(3));
             let after = found(&situations, current, before);
-            prop_assert_eq!(after, found(&situations, current, Memo::NONE));
-            // What was known of another travel sensor, or of other transducers, counts for nothing.
-            let wrong = Memo { neuron: guess % 16, cost: Some(0), ..before };
+            prop_assert_eq!(after, found(&situations, current, SearchCache::NONE));
+            // Results for another travel sensor or other transducers are not reused.
+            let wrong = SearchCache { neuron: guess % 16, cost: Some(0), ..before };
             let elsewhere = (travel as u8 + 1) % 16;
-            for other in [Memo { travel: elsewhere, ..wrong }, Memo { enabled: Mask::NONE.with(3), ..wrong }] {
+            for other in [SearchCache { travel: elsewhere, ..wrong }, SearchCache { enabled: Mask::NONE.with(3), ..wrong }] {
                 prop_assert_eq!(found(&situations, current, other), after);
             }
             let deviation = |k: usize| goal.towards(travel).distance(&situations.code_vector(k), Mask::ALL);

@@ -1,62 +1,50 @@
-//! One step ahead in the action map: which action leads nearest to the goal?
+//! Selects the action whose expected situation is nearest to the goal; never looks beyond one step.
 //!
-//! The action map holds pairs of (change of situation, action). Probed with an action it answers
-//! with a change, as an associative memory does with any part of its content; the present situation
-//! plus that change is the situation to come. The action whose situation to come deviates least
-//! from the goal is taken.
-//!
-//! *The change of a direction* ([`ForwardModel`]) is what all neurons together say of it: the
-//! linear map from action to change that fits the neurons best (least squares, [`Recall by
-//! direction`](crate::action_map::Recall::Direction) turned round). One neuron alone knows its own
-//! direction only, and a short action, stretched to a whole step, magnifies its noise.
-//!
-//! *A goal in the frame of travel* ("a wall to my right") depends on where the robot goes. First
-//! the *travel sensor* is chosen: the one towards which the goal fits the present situation best,
-//! with a preference for the course. Seen along it the goal stays the same for every candidate: the
-//! look-ahead keeps the distance, the travel sensor keeps the robot going.
+//! Expected situation = current situation + change of the action ([`ForwardModel`] or one neuron).
+//! A goal in the frame of travel first selects its *travel sensor*: the direction in which the
+//! goal fits the current situation best, with a preference for the course.
 
 use super::cost_surface::CostSurface;
 use super::forward_model::ForwardModel;
-use super::{FAR, Plan, Planner, Why, cheapest, difference};
+use super::{MAX_COST, Plan, Planner, Why, argmin, difference};
 use crate::config::PlannerKind;
 use crate::fixed::{Mask, ONE_BITS, Weight, Weight32, to_weight16};
 use crate::goal::{Goal, GoalFrame, ValueBounds, cost_of};
 use crate::scan::Situation;
 use crate::units::{Direction, Displacement};
 
-/// Shares of a step that are tried along the best direction to a place, in 1/4; the whole step has
-/// been tried.
+/// Shares of a step to try along the best direction after the whole step, in 1/4.
 const SHORTER_Q2: [i32; 4] = [3, 2, 1, 0];
 
-/// An action and how well the situation it leads to suits the goal.
+/// An action and its score.
 #[derive(Debug, Clone, Copy)]
 struct Candidate {
     /// Unit vector, in the ring's frame.
     direction: Direction,
     /// Share of the longest step, in 1/4.
     share_q2: i32,
-    /// Deviation from the goal less the preference for going on: the smaller, the better.
+    /// Deviation from the goal minus the preference for progress: smaller is better.
     score: i64,
-    /// The neuron whose own change is expected; `None` = the linear map's.
+    /// The neuron that gives the expected change; `None` = the forward model.
     neuron: Option<usize>,
 }
 
-/// A goal as it is looked at while a decision is taken.
-pub(super) struct Aim<'a, const SENSORS: usize> {
+/// A goal with its bounds and directions resolved for one decision.
+pub(super) struct GoalView<'a, const SENSORS: usize> {
     goal: &'a Goal<SENSORS>,
-    /// What it asks of each transducer in the ring's frame.
-    asked: &'a [ValueBounds; SENSORS],
-    /// Place of the ring towards which the goal is pursued.
+    /// Bounds of each transducer in the ring's frame.
+    bounds: &'a [ValueBounds; SENSORS],
+    /// Index of the travel sensor; the search over headings starts there.
     place: usize,
-    /// Direction in which going on is preferred; zero = none.
-    way: Direction,
+    /// Preferred direction of progress; zero = none.
+    preferred: Direction,
 }
 
-impl<'a, const SENSORS: usize> Aim<'a, SENSORS> {
+impl<'a, const SENSORS: usize> GoalView<'a, SENSORS> {
     pub(super) fn new<const NEURONS: usize>(
         planner: &Planner<'_, SENSORS, NEURONS>,
         goal: &'a Goal<SENSORS>,
-        asked: &'a [ValueBounds; SENSORS],
+        bounds: &'a [ValueBounds; SENSORS],
         travel: usize,
     ) -> Self {
         let robot = &planner.config.robot;
@@ -64,27 +52,30 @@ impl<'a, const SENSORS: usize> Aim<'a, SENSORS> {
         let ahead = robot.directions.get(travel).copied().filter(|_| travels);
         Self {
             goal,
-            asked,
+            bounds,
             place: travel.min(SENSORS),
-            way: ahead.unwrap_or_else(|| unit(planner.course)),
+            preferred: ahead.unwrap_or_else(|| unit(planner.course)),
         }
     }
 
     fn deviation(&self, values: impl Iterator<Item = i32>) -> i64 {
-        let asked = self.asked.iter().copied();
-        cost_of(asked, values, self.goal.cap_bits(), i64::MAX)
+        let bounds = self.bounds.iter().copied();
+        cost_of(bounds, values, self.goal.cap_bits(), i64::MAX)
     }
 
     /// As [`Goal::holds`].
     fn holds(&self, situation: &Situation<SENSORS>, tolerance: Weight) -> bool {
         let tolerance = i32::from(tolerance.to_bits());
-        let mut values = self.asked.iter().zip(situation);
-        values.all(|(asked, value)| asked.holds_within(i32::from(value.to_bits()), tolerance))
+        let mut values = self.bounds.iter().zip(situation);
+        values.all(|(bounds, value)| bounds.holds_within(i32::from(value.to_bits()), tolerance))
     }
 
-    /// What a whole step in this direction is worth.
-    fn going(&self, direction: Direction) -> i64 {
-        weighted(self.goal.progress_q16, cosine_q14(direction, self.way))
+    /// Bonus for a whole step in this direction.
+    fn progress(&self, direction: Direction) -> i64 {
+        weighted(
+            self.goal.progress_q16,
+            cosine_q14(direction, self.preferred),
+        )
     }
 }
 
@@ -122,14 +113,14 @@ fn part(direction: Direction, share_q2: i32) -> Direction {
 }
 
 impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
-    /// The transducer towards which a goal in the frame of travel fits the situation best, the
-    /// course preferred; 0 for other goals.
+    /// The transducer along which a goal in the frame of travel fits the situation best, with a
+    /// preference for the course; 0 for other goals.
     #[must_use]
     pub fn travel_sensor(&self, situation: &Situation<SENSORS>, goal: &Goal<SENSORS>) -> usize {
         self.travel_sensor_from(0, situation, goal)
     }
 
-    /// The same, with a first guess.
+    /// As [`travel_sensor`](Self::travel_sensor), with a first guess.
     #[inline(never)]
     pub(super) fn travel_sensor_from(
         &self,
@@ -146,36 +137,36 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             let along = cosine_q14(direction.unwrap_or_default(), course);
             let steady = weighted(goal.heading_hold_q16, along);
             let limit = limit.wrapping_add(steady);
-            // No deviation is below 0: most places need not be looked at.
+            // No deviation is below 0: most sensors are skipped.
             if limit <= 0 {
                 return i64::MAX;
             }
-            let asked = goal.asked(place, self.enabled);
-            let deviation = cost_of(asked, bits(situation), goal.cap_bits(), limit);
+            let bounds = goal.asked(place, self.enabled);
+            let deviation = cost_of(bounds, bits(situation), goal.cap_bits(), limit);
             deviation.wrapping_sub(steady)
         };
-        cheapest(SENSORS, first, score).0
+        argmin(SENSORS, first, score).0
     }
 
     /// The action that leads nearest to the goal.
     #[inline(never)]
-    pub(super) fn look_ahead(
+    pub(super) fn plan_by_look_ahead(
         &self,
         situation: &Situation<SENSORS>,
-        aim: &Aim<'_, SENSORS>,
+        view: &GoalView<'_, SENSORS>,
         [goal_neuron, current]: [usize; 2],
     ) -> Plan<SENSORS> {
         let config = self.config;
         let mask = self.enabled;
         let mut forward = ForwardModel::from(situation);
         forward.fit(self.actions, config.action_code, config.robot.step_mm);
-        let best = self.best(situation, aim, &forward);
+        let best = self.best(situation, view, &forward);
         let values = match best.neuron {
             Some(neuron) => self.own_values(situation, neuron),
             None => forward.after(part(best.direction, best.share_q2)),
         };
-        let now = aim.deviation(bits(situation));
-        // None is below 0.
+        let now = view.deviation(bits(situation));
+        // No value is below 0.
         let to_come = values.map(|value| Weight::from_bits(value.min(i32::from(ONE_BITS)) as i16));
         let mut plan = Plan {
             goal_neuron: goal_neuron as u8,
@@ -183,8 +174,8 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             intermediate_neuron: self.situations.bmu(&to_come, mask) as u8,
             wanted: difference(&to_come, situation),
             action_neuron: self.neuron_of(best.direction) as u8,
-            at_goal: aim.goal.is_met_by(now, aim.asked.iter().copied())
-                || aim.holds(situation, config.planning.tolerance),
+            at_goal: view.goal.is_met_by(now, view.bounds.iter().copied())
+                || view.holds(situation, config.planning.tolerance),
             recalled: true,
             action: Displacement::ZERO,
             why: Why::Stay,
@@ -198,26 +189,26 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         plan
     }
 
-    /// The best candidate that is not inhibited; to a place also a shorter one, or none.
+    /// The best candidate that is not inhibited. Goals without progress also try shorter steps.
     #[inline(never)]
     fn best(
         &self,
         situation: &Situation<SENSORS>,
-        aim: &Aim<'_, SENSORS>,
+        view: &GoalView<'_, SENSORS>,
         forward: &ForwardModel<SENSORS>,
     ) -> Candidate {
-        let mut cost_surface = CostSurface::flat(aim.goal.cap_bits());
-        cost_surface.shape(forward, aim.asked);
-        // Where every action is inhibited the robot waits for the first to come back.
+        let mut cost_surface = CostSurface::flat(view.goal.cap_bits());
+        cost_surface.shape(forward, view.bounds);
+        // Where every action is inhibited, the robot stays.
         let mut best = Candidate {
             direction: Direction::default(),
             share_q2: 0,
-            score: FAR,
+            score: MAX_COST,
             neuron: None,
         };
         if self.config.planning.planner == PlannerKind::BestNeuron {
             let allowed = (0..NEURONS).filter(|neuron| self.allowed.contains(*neuron));
-            for own in allowed.filter_map(|neuron| self.own_candidate(situation, aim, neuron)) {
+            for own in allowed.filter_map(|neuron| self.own_candidate(situation, view, neuron)) {
                 if own.score < best.score {
                     best = own;
                 }
@@ -226,15 +217,15 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             let directions = &self.config.robot.directions;
             let score = |heading: usize, limit: i64| {
                 let direction = directions.get(heading).copied().unwrap_or_default();
-                let going = aim.going(direction);
-                let deviation = cost_surface.at(direction, limit.wrapping_add(going));
-                let score = deviation.wrapping_sub(going);
+                let progress = view.progress(direction);
+                let deviation = cost_surface.at(direction, limit.wrapping_add(progress));
+                let score = deviation.wrapping_sub(progress);
                 match score < limit && self.is_allowed(direction) {
                     true => score,
                     false => i64::MAX,
                 }
             };
-            let (heading, score) = cheapest(SENSORS, aim.place, score);
+            let (heading, score) = argmin(SENSORS, view.place, score);
             if let Some(direction) = directions.get(heading) {
                 best = Candidate {
                     direction: *direction,
@@ -244,7 +235,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
                 };
             }
         }
-        if aim.goal.progress_q16 == 0 {
+        if view.goal.progress_q16 == 0 {
             for share_q2 in SHORTER_Q2 {
                 let limit = best.score.wrapping_add(1);
                 let score = cost_surface.at(part(best.direction, share_q2), limit);
@@ -256,13 +247,13 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         best
     }
 
-    /// A neuron's own action, brought to a whole step; none for an action too short to have a
-    /// direction.
+    /// The candidate of a neuron's own action, scaled to a whole step; `None` below a quarter of a
+    /// step, where the direction is mostly noise.
     #[inline(never)]
     fn own_candidate(
         &self,
         situation: &Situation<SENSORS>,
-        aim: &Aim<'_, SENSORS>,
+        view: &GoalView<'_, SENSORS>,
         neuron: usize,
     ) -> Option<Candidate> {
         let action = self.own_action(neuron);
@@ -271,11 +262,11 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         }
         let direction = unit(action);
         let values = self.own_values(situation, neuron);
-        let deviation = aim.deviation(values.into_iter());
+        let deviation = view.deviation(values.into_iter());
         Some(Candidate {
             direction,
             share_q2: 4,
-            score: deviation.wrapping_sub(aim.going(direction)),
+            score: deviation.wrapping_sub(view.progress(direction)),
             neuron: Some(neuron),
         })
     }
@@ -287,7 +278,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             .decode(code, self.config.robot.step_mm)
     }
 
-    /// The situation after a neuron's own change, stretched to a whole step.
+    /// The situation after a neuron's own change, scaled to a whole step.
     #[inline(never)]
     fn own_values(&self, situation: &Situation<SENSORS>, neuron: usize) -> [i32; SENSORS] {
         let step = i32::from(self.config.robot.step_mm);
@@ -301,7 +292,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         values
     }
 
-    /// The neuron whose action goes farthest in a direction: the one that answers for it.
+    /// The neuron whose action goes farthest in a direction; its inhibition applies to it.
     #[inline(never)]
     fn neuron_of(&self, direction: Direction) -> usize {
         let (mut farthest, mut most) = (0, i32::MIN);
@@ -354,8 +345,8 @@ mod tests {
     }
 
     fn all_asked(goal: &Goal<16>) -> [ValueBounds; 16] {
-        let mut asked = goal.asked(0, Mask::ALL);
-        core::array::from_fn(|_| asked.next().unwrap())
+        let mut bounds = goal.asked(0, Mask::ALL);
+        core::array::from_fn(|_| bounds.next().unwrap())
     }
 
     /// Few different values make many ties.
@@ -414,9 +405,9 @@ mod tests {
     }
 
     proptest! {
-        /// The way by every place's deviation, wherever the search begins.
+        /// The travel sensor equals an exhaustive search, for any first guess.
         #[test]
-        fn the_way_fits_best_and_is_the_first_of_those_as_good(
+        fn the_travel_sensor_fits_best_and_is_the_lowest_on_ties(
             bounds in bounds(), values in prop::array::uniform16(prop_oneof![Just(0_i16), Just(4_096), 0_i16..=8_192]),
             steady in prop_oneof![Just(0_u16), 0_u16..9_000], course in course(), begin in 0_usize..20,
             mask in prop_oneof![Just(Mask::ALL), any::<u32>().prop_map(Mask::from_bits)],
@@ -437,7 +428,7 @@ mod tests {
         /// The best heading by every heading's score, and by every share of a step where the robot
         /// may stay.
         #[test]
-        fn the_best_heading_is_the_first_of_those_as_good(
+        fn the_best_heading_is_the_lowest_on_ties(
             bounds in bounds(), values in prop::array::uniform16(0_i16..=8_192), changes in prop::array::uniform16(-900_i16..=900),
             going in prop_oneof![Just(0_u16), 0_u16..9_000], course in course(), place in 0_usize..16,
             allowed in prop_oneof![Just(Mask::ALL), any::<u32>().prop_map(Mask::from_bits)],
@@ -446,21 +437,21 @@ mod tests {
             let bench = Bench::new(changes);
             let planner = bench.planner(course, allowed);
             let situation = values.map(Weight::from_bits);
-            let asked = all_asked(&goal);
-            let aim = Aim { goal: &goal, asked: &asked, place, way: unit(course) };
+            let bounds = all_asked(&goal);
+            let view = GoalView { goal: &goal, bounds: &bounds, place, preferred: unit(course) };
             let mut forward = ForwardModel::from(&situation);
             forward.fit(&bench.actions, bench.config.action_code, 250);
             let mut cost_surface = CostSurface::flat(goal.cap_bits());
-            cost_surface.shape(&forward, &asked);
+            cost_surface.shape(&forward, &bounds);
             let directions = bench.config.robot.directions;
             let score = |heading: usize, share_q2: i32| {
                 let share = part(directions[heading], share_q2);
-                let whole = i64::from(going) * i64::from(cosine_q14(directions[heading], aim.way));
+                let whole = i64::from(going) * i64::from(cosine_q14(directions[heading], view.preferred));
                 let preferred = ((whole >> 4) * i64::from(share_q2)) >> 2;
                 cost_surface.at(share, i64::MAX) - preferred
             };
             let open = (0..16).filter(|&k| allowed.contains(planner.neuron_of(directions[k])));
-            let best = planner.best(&situation, &aim, &forward);
+            let best = planner.best(&situation, &view, &forward);
             let Some(heading) = open.min_by_key(|&k| (score(k, 4), k)) else {
                 prop_assert_eq!(best.share_q2, 0);
                 return Ok(());
@@ -512,16 +503,16 @@ mod tests {
             bench.actions.actions_mut().set_code_vector(k, &code);
         }
         let goal = goal([(0, 0, 1); 16], GoalFrame::Ring, 0, 0);
-        let asked = all_asked(&goal);
-        let (goal, asked, way) = (&goal, &asked, Direction::default());
-        let aim = Aim {
+        let bounds = all_asked(&goal);
+        let (goal, bounds, preferred) = (&goal, &bounds, Direction::default());
+        let view = GoalView {
             goal,
-            asked,
+            bounds,
             place: 0,
-            way,
+            preferred,
         };
         let planner = bench.planner(Displacement::ZERO, Mask::ALL);
-        let own = |k| planner.own_candidate(&[Weight::ZERO; 16], &aim, k);
+        let own = |k| planner.own_candidate(&[Weight::ZERO; 16], &view, k);
         let left = Direction {
             x_q14: 0,
             y_q14: 1 << 14,
