@@ -55,6 +55,6 @@ fn main() {
             let _ = send(500, motion.report(moved, turned, progress));
         }
         println!("{way_mm:.0} mm, {touches} of {rings} moves touched the wall");
-        assert!(touches * 20 <= rings);
+        assert!(touches * 100 <= rings); // A blind robot touches in 20 of 500 moves.
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! One line serves all columns, so that a Euclidean distance between weights is the distance in the
 //! data's units divided by one number, and no column gains or loses importance. (Columns scaled one
-//! by one would make distances that mean nothing in the data's units; whoever wants that
-//! standardises the columns before.) Samples and code vectors have steps of 2⁻²⁹ of the whole
+//! by one would make distances that mean nothing in the data's units; to get that,
+//! standardize the columns first.) Samples and code vectors have steps of 2⁻²⁹ of the whole
 //! range.
 
 use files::error::BadInput;

@@ -95,7 +95,11 @@ fn one(reading: &PaperReading, world: &World, seed: u64) -> Result<RoomResult, E
         report: episode.report,
         plans: Plans::of(&observer.observed),
         goal_paths: GoalPaths::of(learned, &goal),
-        topology: topology_of(learned.situations(), &lessons(learned, reading), seed),
+        topology: topology_of(
+            learned.situations(),
+            &learned_situations(learned, reading),
+            seed,
+        ),
         gaps: Gaps::of(world, &steps),
         recalled: ActionRecall::of(learned, &others, &reading.config),
         alike: samples_alike(learned, &observer.observed),
@@ -108,7 +112,7 @@ fn one(reading: &PaperReading, world: &World, seed: u64) -> Result<RoomResult, E
 
 /// The situations from which the map has learned, in all rotations if the configuration learns
 /// those.
-fn lessons(state: &SimState, reading: &PaperReading) -> Vec<Situation<16>> {
+fn learned_situations(state: &SimState, reading: &PaperReading) -> Vec<Situation<16>> {
     let turns = if reading.config.learning.augment_rotations {
         16
     } else {
