@@ -13,7 +13,7 @@ use amp::node::{Identity, NomadNode};
 use amp::som::Grid;
 use amp::units::Millis;
 use amp::wire::Receiver;
-use amp::wire::message::{Flash, FlashError, Source};
+use amp::wire::message::{FlashError, FlashOperation, Source};
 use embedded_storage::nor_flash::NorFlash;
 use heapless::spsc::Consumer;
 
@@ -204,9 +204,9 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
     /// received frames wait.
     // Not inlined: its stack frame would be part of every run.
     #[inline(never)]
-    fn run_flash_task(&mut self, task: Flash, now: Millis) -> bool {
+    fn run_flash_task(&mut self, task: FlashOperation, now: Millis) -> bool {
         let Some(store) = &mut self.store else {
-            let absent = Err(FlashError::Absent);
+            let absent = Err(FlashError::NoFlash);
             self.node.flash_done(absent, now, &mut self.tx);
             return true;
         };
@@ -222,9 +222,9 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
             return false;
         }
         let result = match task {
-            Flash::Save => store.save(&self.node.contents()),
-            Flash::Recall => load_latest(self.node, store),
-            Flash::Erase => store.erase(),
+            FlashOperation::Save => store.save(&self.node.contents()),
+            FlashOperation::Load => load_latest(self.node, store),
+            FlashOperation::Erase => store.erase(),
         };
         self.flash_task_pauses = None;
         self.node.flash_done(result, now, &mut self.tx);

@@ -8,7 +8,7 @@
 
 use amp::store::{Contents, ImageError, ImageInfo, WORD, check};
 use amp::wire::checksum;
-use amp::wire::message::{Flash, FlashError};
+use amp::wire::message::{FlashError, FlashOperation};
 use core::convert::Infallible;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 
@@ -131,20 +131,20 @@ impl<F: NorFlash> Store<F> {
     }
 
     /// Longest time for which the task stops the processor, milliseconds.
-    pub fn pause_ms(&mut self, task: Flash) -> u32 {
+    pub fn pause_ms(&mut self, task: FlashOperation) -> u32 {
         match task {
-            Flash::Recall => 0,
-            Flash::Save => WRITE_MS + self.erase_count(task) * ERASE_MS,
-            Flash::Erase => self.erase_count(task) * ERASE_MS,
+            FlashOperation::Load => 0,
+            FlashOperation::Save => WRITE_MS + self.erase_count(task) * ERASE_MS,
+            FlashOperation::Erase => self.erase_count(task) * ERASE_MS,
         }
     }
 
     /// Number of sectors that the task will erase.
-    fn erase_count(&mut self, task: Flash) -> u32 {
+    fn erase_count(&mut self, task: FlashOperation) -> u32 {
         match task {
-            Flash::Recall => 0,
-            Flash::Save => u32::from(self.free_slot().is_none()),
-            Flash::Erase => 2,
+            FlashOperation::Load => 0,
+            FlashOperation::Save => u32::from(self.free_slot().is_none()),
+            FlashOperation::Erase => 2,
         }
     }
 
@@ -200,7 +200,7 @@ impl<F: NorFlash> Store<F> {
         let mut read = |at: usize, out: &mut [u8]| flash.read(from + at as u32, out).is_ok();
         into(&mut read, most).map_err(|fault| match fault {
             ImageError::Source | ImageError::Torn => FlashError::Failed,
-            ImageError::Version | ImageError::Dimensions => FlashError::Unreadable,
+            ImageError::Version | ImageError::Dimensions => FlashError::OtherVersion,
         })
     }
 

@@ -25,7 +25,7 @@ pub struct Config<const SENSORS: usize> {
     /// The body.
     pub robot: RobotSpec<SENSORS>,
     /// Transducers that are used.
-    #[serde(rename = "believed")]
+    #[serde(alias = "believed")]
     pub enabled: Mask,
     /// From ranges to situations.
     pub encoding: Encoding,
@@ -134,13 +134,13 @@ pub struct Learning {
     pub start: Initialization,
     /// Whether each presentation is rotated by a random number of ring steps (symmetric rings
     /// only): a hundred moves yield as many samples as the ring has places, times a hundred.
-    #[serde(rename = "turned")]
+    #[serde(alias = "turned")]
     pub augment_rotations: bool,
     /// λ, the weight of the action beside the change when the action map's winner is sought, in
     /// 1/256.
     pub action_weight_q8: u16,
     /// Which displacement of a sample is learned.
-    #[serde(rename = "taught")]
+    #[serde(alias = "taught")]
     pub learn_from: LearnFrom,
     /// Border of both grids.
     pub edges: Edges,
@@ -198,11 +198,11 @@ pub enum PlannerKind {
     Recall,
     /// One step ahead: the neuron whose action, stretched to the whole step, leads nearest to the
     /// goal.
-    #[serde(rename = "Neurons")]
+    #[serde(alias = "Neurons")]
     BestNeuron,
     /// One step ahead: the direction of a transducer whose change, as all neurons together predict
     /// it, leads nearest to the goal.
-    #[serde(rename = "Headings")]
+    #[serde(alias = "Headings")]
     BestHeading,
 }
 
@@ -219,10 +219,10 @@ pub struct Wander {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Planning {
     /// How the action is found; the fields up to `at_goal` are for [`PlannerKind::Recall`].
-    #[serde(rename = "choice")]
+    #[serde(alias = "choice")]
     pub planner: PlannerKind,
     /// The neuron aimed at.
-    #[serde(rename = "intermediate")]
+    #[serde(alias = "intermediate")]
     pub subgoal: Subgoal,
     /// How the action map is probed.
     pub recall: Recall,

@@ -45,7 +45,7 @@ pub use message::{
     Command, CommandRefusal, Decision, Event, Mode, Motion, Outputs, Progress, StopReason,
 };
 use motion::Pending;
-pub use parts::{PartError, StatePart};
+pub use parts::{StatePart, TransferError};
 use search::SearchProgress;
 pub use tracked::Tracked;
 

@@ -120,10 +120,10 @@ pub struct Goal<const SENSORS: usize> {
     pub frame: GoalFrame,
     /// Weight of progress: a whole step counts as much as this squared deviation, Q16 of 1 with
     /// weight 1. 0 = a place to be, where the robot may stand (look-ahead only).
-    #[serde(rename = "going_q16")]
+    #[serde(alias = "going_q16")]
     pub progress_q16: u16,
     /// Weight of keeping the heading, likewise.
-    #[serde(rename = "steady_q16")]
+    #[serde(alias = "steady_q16")]
     pub heading_hold_q16: u16,
     /// Greatest deviation that counts for one component: a surface hidden behind a corner does not
     /// outweigh the rest.

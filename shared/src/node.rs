@@ -3,7 +3,7 @@
 //! [`Node::frame`] takes a received frame, does what it asks for and sends the answers.
 //! [`Node::tick`] lets time pass: a slice of learning, the supervision of link and ring, motions
 //! renewed before they expire. Every accepted frame but a sign of life is answered with its results
-//! and then [`FromMind::Done`](crate::wire::FromMind::Done). When the last accepted frame is
+//! and then [`DeviceMessage::Done`](crate::wire::DeviceMessage::Done). When the last accepted frame is
 //! repeated, its answer is sent again byte for byte, and nothing is done twice.
 //!
 //! When the host falls silent for longer than [`SILENCE_MS`](crate::link::SILENCE_MS) the robot
@@ -18,7 +18,7 @@ use crate::som::kernels::Kernels;
 use crate::units::{Millis, Range};
 use crate::wire::frame::Header;
 use crate::wire::message::{
-    Clock, Counters, DeviceCounters, MotionOrder, Notice, Oscillator, ResetCause, Source,
+    Clock, Counters, DeviceCounters, LogEvent, MotionCommand, Oscillator, ResetCause, Source,
 };
 use flash_requests::FlashRequest;
 use heapless::Vec;
@@ -61,7 +61,7 @@ pub struct Identity {
 /// The latest motion sent.
 #[derive(Debug, Clone, Copy)]
 struct Underway {
-    order: MotionOrder,
+    command: MotionCommand,
     sent: Millis,
 }
 
@@ -214,7 +214,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         if self.link.falls_silent(time) {
             add(&mut self.counters.link_losses);
             self.dispatch(time, Event::Alarm(StopReason::LinkLost), now, out);
-            self.note(Notice::LinkLost, now, out);
+            self.log(LogEvent::LinkLost, now, out);
         }
         if !matches!(self.state.mode(), Mode::Learn { .. }) {
             self.dispatch(time, Event::Tick, now, out);

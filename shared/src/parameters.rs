@@ -33,7 +33,7 @@ pub enum Parameter {
     /// Presentations of the whole memory.
     Epochs,
     /// Bit mask of the enabled transducers.
-    Believed,
+    Enabled,
     /// Time the ring takes.
     RingPeriod,
     /// Whether transducers that misbehave are disabled: 0 or 1.
@@ -45,10 +45,10 @@ pub enum Parameter {
 pub enum Unit {
     /// A number.
     Count,
-    /// Millimetres.
-    Millimetres,
-    /// Millimetres per second.
-    MillimetresPerSecond,
+    /// Millimeters.
+    Millimeters,
+    /// Millimeters per second.
+    MillimetersPerSecond,
     /// Milliseconds.
     Milliseconds,
     /// 0 or 1.
@@ -61,8 +61,8 @@ impl core::fmt::Display for Unit {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Self::Count => "",
-            Self::Millimetres => "mm",
-            Self::MillimetresPerSecond => "mm/s",
+            Self::Millimeters => "mm",
+            Self::MillimetersPerSecond => "mm/s",
             Self::Milliseconds => "ms",
             Self::Switch => "0 or 1",
             Self::Bits => "bits",
@@ -72,22 +72,22 @@ impl core::fmt::Display for Unit {
 
 /// What a parameter may be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Spec {
+pub struct ParameterSpec {
     /// Its unit.
     pub unit: Unit,
-    /// Least value.
-    pub least: i32,
-    /// Greatest value.
-    pub greatest: i32,
+    /// Smallest value.
+    pub min: i32,
+    /// Largest value.
+    pub max: i32,
 }
 
 /// Why a parameter was not set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ParameterError {
     /// The value lies outside this range.
-    Range(Spec),
+    OutOfRange(ParameterSpec),
     /// The near limit would not lie below the far limit.
-    Order,
+    Crossed,
     /// There is no shield to set a margin of.
     NoShield,
 }
@@ -95,20 +95,18 @@ pub enum ParameterError {
 impl core::fmt::Display for ParameterError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::Range(Spec {
+            Self::OutOfRange(ParameterSpec {
                 unit: Unit::Switch, ..
             }) => f.write_str("it must be 0 or 1"),
-            Self::Range(Spec {
+            Self::OutOfRange(ParameterSpec {
                 unit: Unit::Count,
-                least,
-                greatest,
-            }) => write!(f, "it must lie between {least} and {greatest}"),
-            Self::Range(Spec {
-                unit,
-                least,
-                greatest,
-            }) => write!(f, "it must lie between {least} and {greatest} {unit}"),
-            Self::Order => f.write_str("near must lie below far"),
+                min,
+                max,
+            }) => write!(f, "it must lie between {min} and {max}"),
+            Self::OutOfRange(ParameterSpec { unit, min, max }) => {
+                write!(f, "it must lie between {min} and {max} {unit}")
+            }
+            Self::Crossed => f.write_str("near must lie below far"),
             Self::NoShield => f.write_str("the shield is off"),
         }
     }
@@ -128,7 +126,7 @@ impl Parameter {
         Self::Margin,
         Self::Online,
         Self::Epochs,
-        Self::Believed,
+        Self::Enabled,
         Self::RingPeriod,
         Self::FaultDetection,
     ];
@@ -146,7 +144,7 @@ impl Parameter {
             Self::Margin => "margin",
             Self::Online => "online",
             Self::Epochs => "epochs",
-            Self::Believed => "believed",
+            Self::Enabled => "enabled",
             Self::RingPeriod => "ring-period",
             Self::FaultDetection => "fault-detection",
         }
@@ -154,23 +152,19 @@ impl Parameter {
 
     /// What it may be.
     #[must_use]
-    pub const fn spec(self) -> Spec {
-        let (unit, least, greatest) = match self {
-            Self::Near => (Unit::Millimetres, 0, 6_500),
-            Self::Far | Self::Clearance => (Unit::Millimetres, 1, 6_500),
-            Self::Step => (Unit::Millimetres, 10, 1_000),
-            Self::Speed => (Unit::MillimetresPerSecond, 10, 508),
-            Self::Margin => (Unit::Millimetres, 0, 1_000),
+    pub const fn spec(self) -> ParameterSpec {
+        let (unit, min, max) = match self {
+            Self::Near => (Unit::Millimeters, 0, 6_500),
+            Self::Far | Self::Clearance => (Unit::Millimeters, 1, 6_500),
+            Self::Step => (Unit::Millimeters, 10, 1_000),
+            Self::Speed => (Unit::MillimetersPerSecond, 10, 508),
+            Self::Margin => (Unit::Millimeters, 0, 1_000),
             Self::Shield | Self::Online | Self::FaultDetection => (Unit::Switch, 0, 1),
             Self::Epochs => (Unit::Count, 1, 1_000),
-            Self::Believed => (Unit::Bits, i32::MIN, i32::MAX),
+            Self::Enabled => (Unit::Bits, i32::MIN, i32::MAX),
             Self::RingPeriod => (Unit::Milliseconds, 1, 10_000),
         };
-        Spec {
-            unit,
-            least,
-            greatest,
-        }
+        ParameterSpec { unit, min, max }
     }
 
     /// Its value.
@@ -188,7 +182,7 @@ impl Parameter {
                 .map_or(0, |shield| i32::from(shield.margin_mm)),
             Self::Online => i32::from(config.online.is_some()),
             Self::Epochs => i32::from(config.learning.epochs),
-            Self::Believed => config.enabled.to_bits() as i32,
+            Self::Enabled => config.enabled.to_bits() as i32,
             Self::RingPeriod => i32::from(config.robot.ring_period_ms),
             Self::FaultDetection => i32::from(config.fault_detection),
         }
@@ -204,15 +198,15 @@ impl Parameter {
         value: i32,
     ) -> Result<(), ParameterError> {
         let spec = self.spec();
-        if value < spec.least || value > spec.greatest {
-            return Err(ParameterError::Range(spec));
+        if value < spec.min || value > spec.max {
+            return Err(ParameterError::OutOfRange(spec));
         }
         match self {
             Self::Near if value >= i32::from(config.encoding.far_mm) => {
-                return Err(ParameterError::Order);
+                return Err(ParameterError::Crossed);
             }
             Self::Far if value <= i32::from(config.encoding.near_mm) => {
-                return Err(ParameterError::Order);
+                return Err(ParameterError::Crossed);
             }
             Self::Margin if config.shield.is_none() => return Err(ParameterError::NoShield),
             _ => self.put(config, value),
@@ -245,7 +239,7 @@ impl Parameter {
                 config.online = if value == 1 { on } else { None };
             }
             Self::Epochs => config.learning.epochs = small,
-            Self::Believed => config.enabled = Mask::from_bits(value as u32),
+            Self::Enabled => config.enabled = Mask::from_bits(value as u32),
             Self::RingPeriod => config.robot.ring_period_ms = small,
             Self::FaultDetection => config.fault_detection = value == 1,
         }
@@ -263,7 +257,7 @@ mod tests {
     fn every_parameter_takes_its_ends_and_nothing_beyond() {
         for parameter in Parameter::ALL {
             let spec = parameter.spec();
-            for value in [spec.least, spec.greatest] {
+            for value in [spec.min, spec.max] {
                 let mut config = Config::recommended();
                 config.encoding.near_mm = 0;
                 config.encoding.far_mm = 6_501;
@@ -271,9 +265,9 @@ mod tests {
                 assert_eq!(parameter.get(&config), value, "{parameter:?}");
             }
             let mut config = Config::recommended();
-            let beyond = [spec.least.checked_sub(1), spec.greatest.checked_add(1)];
+            let beyond = [spec.min.checked_sub(1), spec.max.checked_add(1)];
             for value in beyond.into_iter().flatten() {
-                let refused = Err(ParameterError::Range(spec));
+                let refused = Err(ParameterError::OutOfRange(spec));
                 assert_eq!(parameter.set(&mut config, value), refused, "{parameter:?}");
             }
             assert_eq!(config, Config::recommended(), "{parameter:?}");
@@ -286,7 +280,7 @@ mod tests {
         let far = i32::from(config.encoding.far_mm);
         assert_eq!(
             Parameter::Near.set(&mut config, far),
-            Err(ParameterError::Order)
+            Err(ParameterError::Crossed)
         );
         assert_eq!(Parameter::Shield.set(&mut config, 0), Ok(()));
         assert_eq!(
@@ -308,7 +302,10 @@ mod tests {
         assert_eq!(said(Parameter::Epochs, 0), between("1 and 1000"));
         assert_eq!(said(Parameter::RingPeriod, 0), between("1 and 10000 ms"));
         assert_eq!(Unit::Bits.to_string(), "bits");
-        assert_eq!(ParameterError::Order.to_string(), "near must lie below far");
+        assert_eq!(
+            ParameterError::Crossed.to_string(),
+            "near must lie below far"
+        );
         assert_eq!(ParameterError::NoShield.to_string(), "the shield is off");
     }
 
@@ -326,11 +323,11 @@ mod tests {
         let mut set = |parameter: Parameter, value| parameter.set(&mut config, value);
         assert_eq!(
             (set(Parameter::Near, 200), set(Parameter::Near, 199)),
-            (Err(ParameterError::Order), Ok(()))
+            (Err(ParameterError::Crossed), Ok(()))
         );
         assert_eq!(
             (set(Parameter::Far, 199), set(Parameter::Far, 200)),
-            (Err(ParameterError::Order), Ok(()))
+            (Err(ParameterError::Crossed), Ok(()))
         );
         assert_eq!(
             (config.encoding.near_mm, config.encoding.far_mm),

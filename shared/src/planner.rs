@@ -26,11 +26,13 @@ use look_ahead::GoalView;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Why {
     /// The subgoal is a neighbor nearer to the goal.
-    Neighbour,
+    #[serde(alias = "Neighbour")]
+    Neighbor,
     /// The current neuron is the goal neuron: the target is the goal itself.
     GoalNeuron,
     /// No neighbor is nearer to the goal than the current neuron: the target is the goal itself.
-    NoNearerNeighbour,
+    #[serde(alias = "NoNearerNeighbour")]
+    NoNearerNeighbor,
     /// The configuration makes the goal itself the target.
     GoalDirectly,
     /// The goal holds: the last displacement is repeated.
@@ -51,9 +53,9 @@ pub enum Why {
 impl core::fmt::Display for Why {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
-            Self::Neighbour => "neighbor",
+            Self::Neighbor => "neighbor",
             Self::GoalNeuron => "at the goal neuron",
-            Self::NoNearerNeighbour => "no nearer neighbor",
+            Self::NoNearerNeighbor => "no nearer neighbor",
             Self::GoalDirectly => "goal directly",
             Self::KeepCourse => "keep course",
             Self::TurnCourse => "turn course",
@@ -74,7 +76,8 @@ pub struct Plan<const SENSORS: usize> {
     /// Best-matching unit of the current situation.
     pub current_neuron: u8,
     /// Neuron of the subgoal.
-    pub intermediate_neuron: u8,
+    #[serde(alias = "intermediate_neuron")]
+    pub subgoal_neuron: u8,
     /// Wanted change of situation: the probe of the action map.
     #[serde(with = "crate::arrays")]
     pub wanted: [Weight; SENSORS],
@@ -180,8 +183,8 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         };
         let neighbors = grid.neighbors(current);
         match neighbors.min_by_key(|&k| (hops(k), cost(k), k)) {
-            Some(nearest) if by_hops || cost(nearest) < cost(current) => (nearest, Why::Neighbour),
-            _ => (goal_neuron, Why::NoNearerNeighbour),
+            Some(nearest) if by_hops || cost(nearest) < cost(current) => (nearest, Why::Neighbor),
+            _ => (goal_neuron, Why::NoNearerNeighbor),
         }
     }
 
@@ -195,7 +198,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         [goal_neuron, current]: [usize; 2],
     ) -> Plan<SENSORS> {
         let (subgoal, why) = self.subgoal(current, goal_neuron, bounds);
-        let subgoal_neuron = (why == Why::Neighbour).then_some(subgoal);
+        let subgoal_neuron = (why == Why::Neighbor).then_some(subgoal);
         let wanted = self.wanted_change(situation, goal, current, subgoal_neuron);
         let answer = self.best_match(&wanted);
         let at_goal = goal.holds(situation, self.enabled, self.config.planning.tolerance);
@@ -206,7 +209,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         Plan {
             goal_neuron: goal_neuron as u8,
             current_neuron: current as u8,
-            intermediate_neuron: subgoal as u8,
+            subgoal_neuron: subgoal as u8,
             wanted,
             action_neuron: answer.neuron as u8,
             at_goal,

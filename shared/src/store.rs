@@ -5,17 +5,17 @@
 //! image  = "AMPS" record…
 //! record = length:u8 body zeros          zeros up to a multiple of 4 bytes; numbers little-endian
 //! body   = 00 layout:u16 grammar:u32 generation:u32 sensors:u8 neurons:u8 samples:u16      the first
-//!        | 01 part:u8 offset:u16 bytes    a piece of a part, as on the wire; maps that were never learned are left out
-//!        | 02 seed:u64                    of the mind's randomness from here on
-//!        | 03 name:[u8; 12] goal          a goal that is kept, in postcard's form; without a name the present one
+//!        | 01 part:u8 offset:u16 bytes    a chunk of a part, as on the wire; maps without training are left out
+//!        | 02 seed:u64                    the state of the controller's random generator
+//!        | 03 name:[u8; 12] goal          a saved goal, in postcard's form; without a name the present one
 //!        | 04 crc:u32                     the last: CRC-32 of everything before it
 //! ```
 //!
-//! An image is written piece by piece and is one only with its last record: whatever is cut short,
-//! torn or damaged before is none. Framing, first and last record stay as they are for good, so
-//! that any version of a program finds its way through any other's images; *layout* and *grammar*
-//! (the CRC-32 of the grammar's part that is kept) say whether it can read them. Not kept: what is
-//! under way (motions, rings, a search for a place), counters, the link.
+//! An image is written record by record and is valid only with its last record, whose checksum
+//! covers all others. Framing, first and last record never change, so every version of the program
+//! can check the images of all others; *layout* and *grammar* (the CRC-32 of the grammar from
+//! `Config` on) tell whether it can also read them. Not saved: motions and rings under way, a search
+//! for a place, counters, the link.
 //!
 //! Cost: writing takes a record's bytes of memory, reading and checking as much; an image for the
 //! Nomad has at most [`MAX_NOMAD`] bytes.
@@ -24,7 +24,7 @@ use crate::config::Config;
 use crate::controller::{State, StatePart};
 use crate::goal::{Goal, Name, NamedGoal, NamedGoals};
 use crate::node::MAX_CONFIG;
-use crate::wire::message::MAX_PIECE;
+use crate::wire::message::MAX_CHUNK;
 use crate::wire::{CRC, Checksum};
 
 mod read;
@@ -51,17 +51,20 @@ const MAX_RECORD: usize = 256;
 /// First byte of each kind of record's body.
 mod kind {
     pub(super) const HEAD: u8 = 0;
-    pub(super) const PIECE: u8 = 1;
+    pub(super) const CHUNK: u8 = 1;
     pub(super) const RANDOM: u8 = 2;
     pub(super) const GOAL: u8 = 3;
     pub(super) const END: u8 = 4;
 }
 
-/// CRC-32 of the grammar of what is kept: everything from the configuration on.
-pub const GRAMMAR: u32 = CRC.checksum(kept(include_bytes!("wire/schema.txt")));
+/// CRC-32 of the grammar of the saved types: everything from the configuration on.
+pub const GRAMMAR: u32 = CRC.checksum(saved_grammar(include_bytes!("wire/schema.txt")));
+
+/// [`GRAMMAR`] under protocol version 1, which had other names for the same bytes.
+const FORMER_GRAMMAR: u32 = 0x1113_3147;
 
 /// The grammar from the line of `Config` on.
-const fn kept(mut text: &[u8]) -> &[u8] {
+const fn saved_grammar(mut text: &[u8]) -> &[u8] {
     while let [_, rest @ ..] = text {
         if matches!(text, [b'\n', b'C', b'o', b'n', b'f', b'i', b'g', b' ', ..]) {
             return text;
@@ -100,7 +103,7 @@ pub struct Contents<'m, const SENSORS: usize, const NEURONS: usize, const SAMPLE
     /// The present goal.
     pub goal: &'m Goal<SENSORS>,
     /// The named goals.
-    pub kept: &'m NamedGoals<SENSORS>,
+    pub goals: &'m NamedGoals<SENSORS>,
 }
 
 /// What an image holds, to be read.
@@ -113,7 +116,7 @@ pub struct ContentsMut<'m, const SENSORS: usize, const NEURONS: usize, const SAM
     /// The present goal.
     pub goal: &'m mut Goal<SENSORS>,
     /// The named goals.
-    pub kept: &'m mut NamedGoals<SENSORS>,
+    pub goals: &'m mut NamedGoals<SENSORS>,
 }
 
 #[cfg(test)]

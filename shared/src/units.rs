@@ -27,7 +27,7 @@ impl Range {
         }
     }
 
-    /// Millimetres.
+    /// Millimeters.
     #[must_use]
     pub const fn as_mm(self) -> u16 {
         !self.0.get()
@@ -216,9 +216,9 @@ impl Direction {
 /// left; ±32.767 m.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Displacement {
-    /// Millimetres along x.
+    /// Millimeters along x.
     pub dx_mm: i16,
-    /// Millimetres along y.
+    /// Millimeters along y.
     pub dy_mm: i16,
 }
 

@@ -13,15 +13,15 @@ import time
 import zlib
 
 # Numbers of the grammar.
-PROTOCOL, SENSORS, NEURONS = 1, 16, 16
-SCHEMA = 0x3bbc9afe
+PROTOCOL, SENSORS, NEURONS = 2, 16, 16
+SCHEMA = 0x7a9d5741
 
 HELLO, SCAN, ODOMETRY, COMMAND, COUNTERS = 0, 2, 3, 4, 7
 GOAL, EXPLORE, LEARN, SEEK, STOP, FORGET = 0, 1, 2, 3, 4, 6
 AVOID = 0
 MOVING, ENDED = 0, 1
 IDLE, STOPPED = 0, 4
-REPORTS = ["Hello", "Motion", "Decision", "Mode", "Counters", "Refusal", "Piece", "Parameter", "Log", "Done"]
+REPORTS = ["Hello", "Motion", "Decision", "Mode", "Counters", "Refusal", "Chunk", "Parameter", "Log", "Done"]
 REPEAT_S, ATTEMPTS, LEARNING_S = 0.5, 60, 300
 TTL_MS, SEED, MOVES, DECISIONS = 1000, 1, 20, 20
 
@@ -93,21 +93,21 @@ def unpack(coded):
 def report(reader):
     """The fields that this host needs; for other messages only the kind."""
     _device_ms, kind = reader.varint(), reader.varint()
-    said = {"kind": REPORTS[kind] if kind < len(REPORTS) else kind}
-    if said["kind"] == "Hello":
-        said["dimensions"] = [reader.varint(), reader.varint(), reader.byte(), reader.byte()]
-    elif said["kind"] == "Motion":
-        said["id"], said["revision"] = reader.varint(), reader.byte()
-        said["dx"], said["dy"], said["speed"] = reader.zigzag(), reader.zigzag(), reader.varint()
-    elif said["kind"] == "Mode":
-        said["mode"] = reader.varint()
-    elif said["kind"] == "Counters":
-        said["counts"] = [reader.varint() for _ in range(13)]
-    elif said["kind"] == "Refusal":
-        said["seq"], said["why"] = reader.varint(), reader.varint()
-    elif said["kind"] == "Done":
-        said["seq"] = reader.varint()
-    return said
+    reply = {"kind": REPORTS[kind] if kind < len(REPORTS) else kind}
+    if reply["kind"] == "Hello":
+        reply["dimensions"] = [reader.varint(), reader.varint(), reader.byte(), reader.byte()]
+    elif reply["kind"] == "Motion":
+        reply["id"], reply["revision"] = reader.varint(), reader.byte()
+        reply["dx"], reply["dy"], reply["speed"] = reader.zigzag(), reader.zigzag(), reader.varint()
+    elif reply["kind"] == "Mode":
+        reply["mode"] = reader.varint()
+    elif reply["kind"] == "Counters":
+        reply["counts"] = [reader.varint() for _ in range(13)]
+    elif reply["kind"] == "Refusal":
+        reply["seq"], reply["reason"] = reader.varint(), reader.varint()
+    elif reply["kind"] == "Done":
+        reply["seq"] = reader.varint()
+    return reply
 
 
 class Link:
@@ -141,10 +141,10 @@ class Link:
                 raise ProtocolError("the device closed the connection")
             self.received += data
 
-    def is_news(self, session, seq, said):
+    def is_news(self, session, seq, reply):
         """The next new report of this session; fails if one is missing."""
         if session != self.session:
-            return said["kind"] == "Refusal"
+            return reply["kind"] == "Refusal"
         ahead = (seq - self.device_seq) % 65_536
         if 1 < ahead < 32_768:
             raise ProtocolError(f"{ahead - 1} reports are missing before number {seq}")
@@ -157,23 +157,23 @@ class Link:
         frame, answer = pack(self.session, self.seq, message), []
         for _ in range(ATTEMPTS):
             self.socket.sendall(b"\0" + frame)
-            for said in self.reports(REPEAT_S):
+            for reply in self.reports(REPEAT_S):
                 # A Hello is answered by a Hello, everything else ends with Done.
-                if message[0] == HELLO and said["kind"] == "Hello":
-                    return [said]
-                if said["kind"] == "Done" and said["seq"] == self.seq:
+                if message[0] == HELLO and reply["kind"] == "Hello":
+                    return [reply]
+                if reply["kind"] == "Done" and reply["seq"] == self.seq:
                     return answer
-                if said["kind"] == "Refusal" and said["seq"] == self.seq:
-                    raise ProtocolError(f"request {message[0]} is refused for reason {said['why']}")
-                answer.append(said)
+                if reply["kind"] == "Refusal" and reply["seq"] == self.seq:
+                    raise ProtocolError(f"request {message[0]} is refused for reason {reply['reason']}")
+                answer.append(reply)
         raise ProtocolError(f"no answer to request {message[0]}")
 
     def hello(self):
         dimensions = varint(PROTOCOL) + varint(SCHEMA) + bytes([SENSORS, NEURONS])
         host_clock, open_space = 0, 0
-        [said] = self.request(bytes([HELLO]) + dimensions + bytes([host_clock, open_space]))
-        if said["dimensions"] != [PROTOCOL, SCHEMA, SENSORS, NEURONS]:
-            raise ProtocolError(f"the device has other dimensions: {said['dimensions']}")
+        [reply] = self.request(bytes([HELLO]) + dimensions + bytes([host_clock, open_space]))
+        if reply["dimensions"] != [PROTOCOL, SCHEMA, SENSORS, NEURONS]:
+            raise ProtocolError(f"the device has other dimensions: {reply['dimensions']}")
 
 
 class Robot:
@@ -195,12 +195,12 @@ class Robot:
         return max(round(min(ways)) - self.FACE_MM, 0)
 
     def obey(self, answer):
-        for said in answer:
-            if said["kind"] == "Motion":
-                self.take(said)
-            elif said["kind"] == "Mode":
-                self.mode = said["mode"]
-            elif said["kind"] == "Decision":
+        for reply in answer:
+            if reply["kind"] == "Motion":
+                self.take(reply)
+            elif reply["kind"] == "Mode":
+                self.mode = reply["mode"]
+            elif reply["kind"] == "Decision":
                 self.decisions += 1
 
     def take(self, order):
@@ -261,8 +261,8 @@ def episode(link):
         robot.step()
     explored = robot.decisions
     robot.order(bytes([LEARN]))
-    for said in link.reports(LEARNING_S):
-        robot.obey([said])
+    for reply in link.reports(LEARNING_S):
+        robot.obey([reply])
         if robot.mode == IDLE:
             break
     else:
@@ -274,7 +274,7 @@ def episode(link):
     robot.order(bytes([STOP]))
     if robot.mode != STOPPED:
         raise ProtocolError(f"the mode after a stop is {robot.mode}")
-    [counters] = [said["counts"] for said in link.request(bytes([COUNTERS])) if said["kind"] == "Counters"]
+    [counters] = [reply["counts"] for reply in link.request(bytes([COUNTERS])) if reply["kind"] == "Counters"]
     if any(counters[1:5]) or counters[12] != 0:
         raise ProtocolError(f"frames or echoes were not taken: {counters}")
     print(f"nearest to a wall: {robot.nearest} mm from the center, after {robot.now_ms} simulated ms")

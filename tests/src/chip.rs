@@ -5,7 +5,8 @@
 
 use amp::wire::frame::{self, Header};
 use amp::wire::message::{
-    Clock, Counters, Dimensions, FromMind, HostHello, MindHello, Order, Refusal, Report, ToMind,
+    Clock, Counters, DeviceHello, DeviceMessage, Dimensions, HostHello, HostMessage, Refusal,
+    Report, RobotCommand,
 };
 use amp::wire::{Frame, PROTOCOL, Receiver, SCHEMA};
 use remote::link::{Machine, Qemu, Tcp, Transport, build_image};
@@ -19,7 +20,7 @@ pub const TIMEOUT: Duration = Duration::from_secs(20);
 pub const SESSION: u16 = 7;
 
 /// Messages of the chip.
-pub type Said = FromMind<16>;
+pub type Said = DeviceMessage<16>;
 
 /// The image for QEMU, built once per test program.
 ///
@@ -73,7 +74,7 @@ impl EmulatedChip {
     pub fn start_on(machine: &Machine, image: &Path) -> Self {
         let qemu = Qemu::start(machine, image, false).unwrap_or_else(|error| panic!("{error}"));
         let mut chip = Self::at_the_end_of(Box::new(qemu));
-        chip.wait(|_, report| matches!(report.said, FromMind::Hello(_)).then_some(()));
+        chip.wait(|_, report| matches!(report.message, DeviceMessage::Hello(_)).then_some(()));
         chip
     }
 
@@ -113,9 +114,9 @@ impl EmulatedChip {
     ///
     /// # Panics
     /// When the chip does not answer or refuses.
-    pub fn open(&mut self, session: u16, clock: Clock) -> MindHello {
+    pub fn open(&mut self, session: u16, clock: Clock) -> DeviceHello {
         self.session = session;
-        let hello = self.packed(&ToMind::Hello(HostHello {
+        let hello = self.packed(&HostMessage::Hello(HostHello {
             dimensions: dimensions(),
             clock,
             open_space: false,
@@ -125,10 +126,10 @@ impl EmulatedChip {
             // A chip that is still starting does not receive it.
             self.raw(&hello);
             while let Some((header, report)) = self.next(Duration::from_millis(500)) {
-                match report.said {
-                    FromMind::Hello(hello) if header.session == session => return hello,
-                    FromMind::Refusal { why, .. } if why != Refusal::NoSession => {
-                        panic!("{why:?}")
+                match report.message {
+                    DeviceMessage::Hello(hello) if header.session == session => return hello,
+                    DeviceMessage::Refusal { reason, .. } if reason != Refusal::NoSession => {
+                        panic!("{reason:?}")
                     }
                     _ => {}
                 }
@@ -155,7 +156,7 @@ impl EmulatedChip {
     ///
     /// # Panics
     /// When the message does not fit.
-    pub fn packed(&mut self, message: &ToMind<16>) -> Vec<u8> {
+    pub fn packed(&mut self, message: &HostMessage<16>) -> Vec<u8> {
         self.seq = self.seq.wrapping_add(1);
         let header = Header {
             session: self.session,
@@ -165,18 +166,18 @@ impl EmulatedChip {
     }
 
     /// Sends a message without waiting; returns its sequence number.
-    pub fn send(&mut self, message: &ToMind<16>) -> u16 {
+    pub fn send(&mut self, message: &HostMessage<16>) -> u16 {
         let bytes = self.packed(message);
         self.raw(&bytes);
         self.seq
     }
 
     /// Sends a message and returns all reports up to its completion.
-    pub fn ask(&mut self, message: &ToMind<16>) -> Vec<Report<16>> {
+    pub fn ask(&mut self, message: &HostMessage<16>) -> Vec<Report<16>> {
         let number = self.send(message);
         let mut said = Vec::new();
         self.wait(|_, report| {
-            let done = report.said == FromMind::Done { seq: number };
+            let done = report.message == DeviceMessage::Done { seq: number };
             said.push(report);
             done.then_some(())
         });
@@ -184,12 +185,12 @@ impl EmulatedChip {
     }
 
     /// Sends a command with a time to live of one second.
-    pub fn order(&mut self, order: Order<16>) -> Vec<Report<16>> {
+    pub fn command(&mut self, command: RobotCommand<16>) -> Vec<Report<16>> {
         let at_ms = self.at_ms();
-        self.ask(&ToMind::Command {
+        self.ask(&HostMessage::Command {
             at_ms,
             ttl_ms: 1_000,
-            order,
+            command,
         })
     }
 
@@ -215,9 +216,9 @@ impl EmulatedChip {
     /// # Panics
     /// When they do not arrive.
     pub fn counters(&mut self) -> Counters {
-        let said = self.ask(&ToMind::Counters);
-        let counters = said.iter().rev().find_map(|report| match report.said {
-            FromMind::Counters(counters) => Some(counters),
+        let said = self.ask(&HostMessage::Counters);
+        let counters = said.iter().rev().find_map(|report| match report.message {
+            DeviceMessage::Counters(counters) => Some(counters),
             _ => None,
         });
         counters.expect("counters")
@@ -280,7 +281,7 @@ impl EmulatedChip {
 /// # Panics
 /// When the message does not fit.
 #[must_use]
-pub fn packed(header: Header, message: &ToMind<16>) -> Vec<u8> {
+pub fn packed(header: Header, message: &HostMessage<16>) -> Vec<u8> {
     let frame = Frame::pack(header, message).expect("a message that fits");
     frame.as_bytes().to_vec()
 }

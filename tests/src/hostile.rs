@@ -12,7 +12,7 @@ use amp::som::Grid;
 use amp::store::{GRAMMAR, WORD, check};
 use amp::units::Millis;
 use amp::wire::frame::{Header, unpack};
-use amp::wire::message::{Clock, Dimensions, FromMind, HostHello, Report, ToMind};
+use amp::wire::message::{Clock, DeviceMessage, Dimensions, HostHello, HostMessage, Report};
 use amp::wire::{CRC, Frame, PROTOCOL, Receiver, SCHEMA, cobs};
 use arena::sonar::SonarModel;
 use arena::world::World;
@@ -60,7 +60,7 @@ pub fn frame(bytes: &[u8]) {
     for &byte in bytes.iter().chain(&[0]) {
         if let Some(piece) = receiver.push(byte) {
             let _ = unpack::<Report<16>>(piece);
-            if let Ok((header, message)) = unpack::<ToMind<16>>(piece) {
+            if let Ok((header, message)) = unpack::<HostMessage<16>>(piece) {
                 let again = Frame::pack(header, &message).expect("it came in a frame");
                 let (_, coded) = again.as_bytes().split_last().expect("its zero");
                 assert_eq!(unpack(coded), Ok((header, message)));
@@ -119,14 +119,16 @@ pub fn session(bytes: &[u8]) {
         sensors: 16,
         neurons: 16,
     };
-    let hello = ToMind::Hello(HostHello {
+    let hello = HostMessage::Hello(HostHello {
         dimensions,
         clock,
         open_space: false,
     });
     tell(&mut node, seq, &hello, now, &mut said);
     let mut left = bytes.get(1..).unwrap_or(&[]);
-    while let Ok(((passed, message), rest)) = postcard::take_from_bytes::<(u8, ToMind<16>)>(left) {
+    while let Ok(((passed, message), rest)) =
+        postcard::take_from_bytes::<(u8, HostMessage<16>)>(left)
+    {
         left = rest;
         seq += 1;
         // Squared: one minute at most.
@@ -138,8 +140,8 @@ pub fn session(bytes: &[u8]) {
         let moves = said
             .0
             .drain(..)
-            .rfind(|report| matches!(report.said, FromMind::Motion(_)));
-        if let Some(FromMind::Motion(order)) = moves.map(|report| report.said) {
+            .rfind(|report| matches!(report.message, DeviceMessage::Motion(_)));
+        if let Some(DeviceMessage::Motion(order)) = moves.map(|report| report.message) {
             let is_stop = (order.dx_mm, order.dy_mm) == (0, 0);
             // During the last random move the mode is already idle.
             assert!(is_stop || !stands || node.state().is_moving());
@@ -150,7 +152,7 @@ pub fn session(bytes: &[u8]) {
 fn tell(
     node: &mut Node<16, 16, 20>,
     seq: u16,
-    message: &ToMind<16>,
+    message: &HostMessage<16>,
     now: u32,
     said: &mut SentReports,
 ) {

@@ -61,7 +61,7 @@ impl FaultyPty {
 /// Forwards bytes in both directions until one side closes or the line is disconnected.
 fn pump(device: File, mind: TcpStream, line: LineFault) {
     let carried = Arc::new(AtomicUsize::new(0));
-    let (mut from_program, mut to_mind) = (
+    let (mut from_program, mut to_device) = (
         device.try_clone().expect("a second handle"),
         mind.try_clone().expect("a second handle"),
     );
@@ -71,7 +71,7 @@ fn pump(device: File, mind: TcpStream, line: LineFault) {
         loop {
             match from_program.read(&mut buffer) {
                 Ok(count) if count > 0 && !is_pulled(line, &seen) => {
-                    if to_mind.write_all(&buffer[..count]).is_err() {
+                    if to_device.write_all(&buffer[..count]).is_err() {
                         break;
                     }
                 }
@@ -82,7 +82,7 @@ fn pump(device: File, mind: TcpStream, line: LineFault) {
                 _ => break,
             }
         }
-        let _ = to_mind.shutdown(std::net::Shutdown::Both);
+        let _ = to_device.shutdown(std::net::Shutdown::Both);
     });
     std::thread::spawn(move || {
         let (mut device, mut mind) = (device, mind);

@@ -7,7 +7,8 @@ use amp::node::NomadNode;
 use amp::units::Millis;
 use amp::wire::frame::{self, Header};
 use amp::wire::message::{
-    Clock, FromMind, GoalBy, Heard, HostHello, ModeReport, Order, Part, Report, ToMind,
+    Clock, DeviceMessage, GoalSpec, HostHello, HostMessage, ModeReport, Report, RobotCommand,
+    TimedEcho, TransferPart,
 };
 use sim::pilot::Pilot;
 use std::time::Instant;
@@ -30,7 +31,7 @@ pub struct NodeTwin {
     behind: usize,
     /// Echoes are sent as whole rings, as from sonars that measure at once.
     rings: bool,
-    echoes: heapless::Vec<Heard, 16>,
+    echoes: heapless::Vec<TimedEcho, 16>,
 }
 
 impl NodeTwin {
@@ -67,7 +68,7 @@ impl NodeTwin {
         let mut said = RecordedBytes::default();
         firmware::control::start(&mut twin.local, identity, Millis::from_ms(0), &mut said);
         // The chip has answered this hello; a second one makes both number as many frames.
-        let message = ToMind::Hello(HostHello {
+        let message = HostMessage::Hello(HostHello {
             dimensions: dimensions(),
             clock: Clock::Host,
             open_space: false,
@@ -76,7 +77,7 @@ impl NodeTwin {
         assert!(matches!(
             said[..],
             [Report {
-                said: FromMind::Hello(_),
+                message: DeviceMessage::Hello(_),
                 ..
             }]
         ));
@@ -92,12 +93,12 @@ impl NodeTwin {
     }
 
     /// Sends a command to both.
-    pub fn order(&mut self, order: Order<16>) {
+    pub fn command(&mut self, command: RobotCommand<16>) {
         let at_ms = self.at_ms;
-        self.send(&ToMind::Command {
+        self.send(&HostMessage::Command {
             at_ms,
             ttl_ms: 1_000,
-            order,
+            command,
         });
         self.settle(0);
     }
@@ -107,38 +108,38 @@ impl NodeTwin {
     /// # Panics
     /// When they differ.
     pub fn learn(&mut self) {
-        self.order(Order::Learn);
+        self.command(RobotCommand::Learn);
         let mut said = RecordedBytes::default();
         while self.local.tick(Millis::from_ms(0), &mut said) {}
         assert_eq!(
-            reports(&said.0).last().map(|report| report.said.clone()),
-            Some(FromMind::Mode(ModeReport::Idle))
+            reports(&said.0).last().map(|report| report.message.clone()),
+            Some(DeviceMessage::Mode(ModeReport::Idle))
         );
         self.awaited.extend(said.0);
         self.settle(0);
     }
 
     /// Lets both seek a goal.
-    pub fn seek(&mut self, goal: GoalBy<16>) {
-        self.order(Order::Goal(goal));
-        self.order(Order::Seek);
+    pub fn seek(&mut self, goal: GoalSpec<16>) {
+        self.command(RobotCommand::Goal(goal));
+        self.command(RobotCommand::Seek);
     }
 
     /// Compares the state of both; returns the bytes.
     pub fn compare_knowledge(&mut self) -> usize {
         let before = self.compared;
         for part in [
-            Part::Config,
-            Part::Situations,
-            Part::Changes,
-            Part::Actions,
-            Part::Memory,
+            TransferPart::Config,
+            TransferPart::Situations,
+            TransferPart::Changes,
+            TransferPart::Actions,
+            TransferPart::Memory,
         ] {
             let mut offset = 0;
             loop {
-                let said = self.send(&ToMind::Read { part, offset });
-                let Some(FromMind::Piece { total, bytes, .. }) =
-                    said.first().map(|report| &report.said)
+                let said = self.send(&HostMessage::Read { part, offset });
+                let Some(DeviceMessage::Chunk { total, bytes, .. }) =
+                    said.first().map(|report| &report.message)
                 else {
                     panic!("{said:?}");
                 };
@@ -158,14 +159,14 @@ impl NodeTwin {
     /// # Panics
     /// When they differ.
     pub fn checksums(&mut self) -> [u32; 2] {
-        let said = self.send(&ToMind::Hello(HostHello {
+        let said = self.send(&HostMessage::Hello(HostHello {
             dimensions: dimensions(),
             clock: Clock::Host,
             open_space: false,
         }));
         self.settle(0);
-        let hello = said.iter().find_map(|report| match report.said {
-            FromMind::Hello(hello) => Some([hello.maps_crc, hello.memory_crc]),
+        let hello = said.iter().find_map(|report| match report.message {
+            DeviceMessage::Hello(hello) => Some([hello.maps_crc, hello.memory_crc]),
             _ => None,
         });
         hello.expect("a hello")
@@ -176,7 +177,7 @@ impl NodeTwin {
         self.chip.counters_as(self.seq + 1).device.stack_peak_bytes
     }
 
-    fn tell_local(&mut self, message: &ToMind<16>, seq: u16) -> Vec<Report<16>> {
+    fn tell_local(&mut self, message: &HostMessage<16>, seq: u16) -> Vec<Report<16>> {
         let bytes = packed(
             Header {
                 session: SESSION,
@@ -193,7 +194,7 @@ impl NodeTwin {
     }
 
     /// Sends to both; returns the reports of the node.
-    fn send(&mut self, message: &ToMind<16>) -> Vec<Report<16>> {
+    fn send(&mut self, message: &HostMessage<16>) -> Vec<Report<16>> {
         self.seq = self.seq.wrapping_add(1);
         self.chip.raw(&packed(
             Header {
@@ -234,7 +235,7 @@ impl NodeTwin {
         let mut said = Vec::new();
         while at_ms.saturating_sub(self.at_ms) > HEARTBEAT_MS {
             self.at_ms += HEARTBEAT_MS;
-            said.extend(self.send(&ToMind::Alive { at_ms: self.at_ms }));
+            said.extend(self.send(&HostMessage::Alive { at_ms: self.at_ms }));
         }
         self.at_ms = at_ms;
         said
@@ -247,7 +248,7 @@ impl Pilot for NodeTwin {
         let _ = self.heartbeats_until(at_ms);
         let message = match event {
             Event::Echo { sensor, range } => {
-                let heard = Heard {
+                let heard = TimedEcho {
                     sensor,
                     range_mm: range.map(amp::units::Range::as_mm),
                     age_ms: 0,
@@ -257,14 +258,14 @@ impl Pilot for NodeTwin {
                     return Outputs::NONE;
                 }
                 let echoes = std::mem::take(&mut self.echoes);
-                ToMind::Scan { at_ms, echoes }
+                HostMessage::Scan { at_ms, echoes }
             }
             Event::Odometry {
                 motion,
                 moved,
                 turned,
                 progress,
-            } => ToMind::Odometry {
+            } => HostMessage::Odometry {
                 at_ms,
                 motion,
                 dx_mm: moved.dx_mm,
@@ -285,10 +286,10 @@ impl Pilot for NodeTwin {
 fn outputs(said: &[Report<16>]) -> Outputs<16> {
     let mut outputs = Outputs::NONE;
     for report in said {
-        match &report.said {
-            FromMind::Motion(order) => outputs.motion = Some(order.motion()),
-            FromMind::Decision(decision) => outputs.decision = Some(*decision),
-            FromMind::Mode(_) => outputs.mode_changed = true,
+        match &report.message {
+            DeviceMessage::Motion(command) => outputs.motion = Some(command.motion()),
+            DeviceMessage::Decision(decision) => outputs.decision = Some(*decision),
+            DeviceMessage::Mode(_) => outputs.mode_changed = true,
             _ => {}
         }
     }

@@ -332,9 +332,12 @@ const CASES: &[Case] = &[
     ("som --data good.csv --rate 0.1:0.5", &["--rate", "0.1:0.5"]),
     ("som --data good.csv --init start.csv", &["start.csv"]),
     // State files are read before the controller is contacted.
-    ("link --to tcp:127.0.0.1:1 push gone.mind", &["gone.mind: "]),
     (
-        "link --to tcp:127.0.0.1:1 push binary.toml",
+        "link --to tcp:127.0.0.1:1 upload gone.mind",
+        &["gone.mind: "],
+    ),
+    (
+        "link --to tcp:127.0.0.1:1 upload binary.toml",
         &["binary.toml: it holds no controller"],
     ),
     ("run --steps 1 --save file/own.mind", &["file/own.mind: "]),
@@ -442,7 +445,7 @@ fn a_mind_that_is_not_whole_or_of_another_version_is_refused() {
         (b"", "it holds no controller"),
     ] {
         program.put("wrong.mind", bytes);
-        let output = program.run(&words("link --to tcp:127.0.0.1:1 push wrong.mind"));
+        let output = program.run(&words("link --to tcp:127.0.0.1:1 upload wrong.mind"));
         assert_eq!((output.code, output.stdout.as_str()), (Some(2), ""));
         let told = sentence(&output.stderr);
         assert!(told.starts_with(&format!("wrong.mind: {why}")), "{told}");

@@ -9,7 +9,7 @@ use sim::episode::Body;
 use tests::chip::{EmulatedChip, SESSION};
 use tests::twin::NodeTwin;
 
-use amp::wire::message::{Clock, GoalBy, Order};
+use amp::wire::message::{Clock, GoalSpec, RobotCommand};
 
 /// The room, and the seed of the exploration.
 const ROOM: u64 = 3;
@@ -39,13 +39,13 @@ fn episode(machine: &Machine) -> (EpisodeResult, u32) {
     let mut body = Body::new(&world, SonarModel::Ideal, TurretMode::Held, ROOM);
     // Without lag, because small chips have short queues.
     let mut twin = NodeTwin::with(start(machine), 0, true);
-    twin.order(Order::Explore {
+    twin.command(RobotCommand::Explore {
         moves: MOVES,
         seed: ROOM,
     });
     while !body.advance(&mut twin).mode_changed {}
     twin.learn();
-    twin.seek(GoalBy::Avoid);
+    twin.seek(GoalSpec::Avoid);
     let mut decisions = 0;
     while decisions < STEPS {
         let result = body.advance(&mut twin);

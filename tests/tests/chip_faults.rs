@@ -3,79 +3,79 @@
 use amp::controller::{Progress, StopReason};
 use amp::wire::frame::Header;
 use amp::wire::message::{
-    Clock, FromMind, Heard, HostHello, ModeReport, MotionOrder, Order, Part, Refusal, Report,
-    ResetCause, Source, ToMind,
+    Clock, DeviceMessage, HostHello, HostMessage, ModeReport, MotionCommand, Refusal, Report,
+    ResetCause, RobotCommand, Source, TimedEcho, TransferPart,
 };
 use rand_core::{Rng as _, SeedableRng as _};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::time::{Duration, Instant};
 use tests::chip::{EmulatedChip, SESSION, dimensions, packed};
 
-fn scan(at_ms: u32, sensors: usize, range_mm: u16) -> ToMind<16> {
-    let echoes = (0..sensors).map(|sensor| Heard {
+fn scan(at_ms: u32, sensors: usize, range_mm: u16) -> HostMessage<16> {
+    let echoes = (0..sensors).map(|sensor| TimedEcho {
         sensor: sensor as u8,
         range_mm: Some(range_mm + 20 * sensor as u16),
         age_ms: 0,
     });
-    ToMind::Scan {
+    HostMessage::Scan {
         at_ms,
         echoes: echoes.collect(),
     }
 }
 
-fn motion(said: &[Report<16>]) -> Option<MotionOrder> {
-    said.iter().find_map(|report| match report.said {
-        FromMind::Motion(order) => Some(order),
+fn motion(said: &[Report<16>]) -> Option<MotionCommand> {
+    said.iter().find_map(|report| match report.message {
+        DeviceMessage::Motion(command) => Some(command),
         _ => None,
     })
 }
 
 /// Reports that a motion was executed.
-fn carry_out(chip: &mut EmulatedChip, order: &MotionOrder) {
-    chip.ask(&ToMind::Odometry {
+fn carry_out(chip: &mut EmulatedChip, command: &MotionCommand) {
+    chip.ask(&HostMessage::Odometry {
         at_ms: chip.at_ms(),
-        motion: order.id,
-        dx_mm: order.dx_mm,
-        dy_mm: order.dy_mm,
+        motion: command.id,
+        dx_mm: command.dx_mm,
+        dy_mm: command.dy_mm,
         turned: 0,
         progress: Progress::Ended,
     });
 }
 
 /// A ring and, if a motion follows, the report that it was executed.
-fn round(chip: &mut EmulatedChip, range_mm: u16) -> Option<MotionOrder> {
+fn round(chip: &mut EmulatedChip, range_mm: u16) -> Option<MotionCommand> {
     let said = chip.ask(&scan(chip.at_ms(), 16, range_mm));
-    let order = motion(&said)?;
-    carry_out(chip, &order);
-    Some(order)
+    let command = motion(&said)?;
+    carry_out(chip, &command);
+    Some(command)
 }
 
 /// Explores and learns a little, then seeks.
 fn seeking(chip: &mut EmulatedChip) {
-    chip.order(Order::Explore { moves: 10, seed: 3 });
+    chip.command(RobotCommand::Explore { moves: 10, seed: 3 });
     let mut rounds = 0;
     while round(chip, 700 + 50 * (rounds % 9)).is_some() {
         rounds += 1;
     }
     assert_eq!(rounds, 10);
-    chip.order(Order::Learn);
-    chip.wait(|_, report| (report.said == FromMind::Mode(ModeReport::Idle)).then_some(()));
-    let said = chip.order(Order::Seek);
+    chip.command(RobotCommand::Learn);
+    chip.wait(|_, report| (report.message == DeviceMessage::Mode(ModeReport::Idle)).then_some(()));
+    let said = chip.command(RobotCommand::Seek);
     assert!(
         said.iter()
-            .any(|report| report.said == FromMind::Mode(ModeReport::Seek))
+            .any(|report| report.message == DeviceMessage::Mode(ModeReport::Seek))
     );
 }
 
 /// Waits for a stop; returns its time by the chip's clock, and the last motion before it.
-fn stopped(chip: &mut EmulatedChip, why: StopReason) -> (u32, Option<MotionOrder>) {
+fn stopped(chip: &mut EmulatedChip, why: StopReason) -> (u32, Option<MotionCommand>) {
     let mut last = None;
     chip.wait(|_, report| {
-        if let FromMind::Motion(order) = report.said {
-            last = Some(order);
+        if let DeviceMessage::Motion(command) = report.message {
+            last = Some(command);
         }
-        let mode = FromMind::Mode(ModeReport::Stopped(why));
-        (report.said == mode).then_some((report.device_ms, last))
+        let mode = DeviceMessage::Mode(ModeReport::Stopped(why));
+        (report.message == mode).then_some((report.device_ms, last))
     })
 }
 
@@ -84,8 +84,8 @@ fn a_silent_host_stops_the_motion_in_time() {
     let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     let said = chip.ask(&scan(chip.at_ms(), 16, 900));
-    let order = motion(&said).expect("a motion");
-    assert_ne!((order.dx_mm, order.dy_mm), (0, 0));
+    let command = motion(&said).expect("a motion");
+    assert_ne!((command.dx_mm, command.dy_mm), (0, 0));
     let heard_ms = said.last().expect("done").device_ms;
     let (stopped_ms, last) = stopped(&mut chip, StopReason::LinkLost);
     let silence_ms = stopped_ms - heard_ms;
@@ -95,7 +95,7 @@ fn a_silent_host_stops_the_motion_in_time() {
     assert_eq!((last.dx_mm, last.dy_mm), (0, 0));
     // The host returns in the same session and resumes.
     assert!(motion(&chip.ask(&scan(chip.at_ms(), 16, 900))).is_none());
-    chip.order(Order::Resume);
+    chip.command(RobotCommand::Resume);
     assert!(round(&mut chip, 900).is_some());
 }
 
@@ -107,7 +107,7 @@ fn a_host_that_starts_anew_finds_the_robot_standing() {
     // The host vanishes and another one opens a session before the timeout.
     chip.open(SESSION + 1, Clock::Device);
     assert!(motion(&chip.ask(&scan(chip.at_ms(), 16, 900))).is_none());
-    chip.order(Order::Seek);
+    chip.command(RobotCommand::Seek);
     assert!(round(&mut chip, 900).is_some());
     // Frames of the old session have no effect.
     let header = Header {
@@ -115,13 +115,13 @@ fn a_host_that_starts_anew_finds_the_robot_standing() {
         seq: 30_000,
     };
     let at_ms = chip.at_ms();
-    let order = Order::Explore { moves: 5, seed: 1 };
+    let command = RobotCommand::Explore { moves: 5, seed: 1 };
     chip.raw(&packed(
         header,
-        &ToMind::Command {
+        &HostMessage::Command {
             at_ms,
             ttl_ms: 60_000,
-            order,
+            command,
         },
     ));
     assert_eq!(chip.counters().strangers, 1);
@@ -138,28 +138,35 @@ fn a_ring_that_stays_incomplete_stops_a_robot_that_stands() {
 fn transducers_that_fall_silent_stop_a_robot_that_moves() {
     let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
-    let order = motion(&chip.ask(&scan(chip.at_ms(), 16, 900))).expect("a motion");
+    let command = motion(&chip.ask(&scan(chip.at_ms(), 16, 900))).expect("a motion");
     // Long enough not to be overdue before.
-    let way_mm = order.dx_mm.unsigned_abs().max(order.dy_mm.unsigned_abs());
+    let way_mm = command
+        .dx_mm
+        .unsigned_abs()
+        .max(command.dy_mm.unsigned_abs());
     assert!(way_mm > 170, "{way_mm} mm");
     stops_without_five_transducers(&mut chip);
 }
 
 /// Five transducers are silent; the host is fine.
 fn stops_without_five_transducers(chip: &mut EmulatedChip) {
-    let began_ms = chip.ask(&ToMind::Counters).last().expect("done").device_ms;
+    let began_ms = chip
+        .ask(&HostMessage::Counters)
+        .last()
+        .expect("done")
+        .device_ms;
     let until = Instant::now() + Duration::from_secs(5);
     let stopped_ms = loop {
         assert!(Instant::now() < until, "it never stopped");
         let said = chip.ask(&scan(chip.at_ms(), 11, 900));
         let is_stopped = |report: &&Report<16>| {
-            report.said == FromMind::Mode(ModeReport::Stopped(StopReason::RingIncomplete))
+            report.message == DeviceMessage::Mode(ModeReport::Stopped(StopReason::RingIncomplete))
         };
         if let Some(report) = said.iter().find(is_stopped) {
             break report.device_ms;
         }
         // The current motion is renewed and no other starts.
-        assert!(motion(&said).is_none_or(|order| order.revision == 0));
+        assert!(motion(&said).is_none_or(|order| command.revision == 0));
         std::thread::sleep(Duration::from_millis(20));
     };
     let took_ms = stopped_ms - began_ms;
@@ -173,35 +180,37 @@ fn no_stop_is_refused_after_a_command_from_the_future() {
     let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     let at_ms = chip.at_ms() + 60_000;
-    chip.ask(&ToMind::Command {
+    chip.ask(&HostMessage::Command {
         at_ms,
         ttl_ms: 1_000,
-        order: Order::Resume,
+        command: RobotCommand::Resume,
     });
     assert!(motion(&chip.ask(&scan(chip.at_ms(), 16, 900))).is_some());
-    let stopped = FromMind::Mode(ModeReport::Stopped(StopReason::Commanded));
-    let is_stopped = |said: &[Report<16>]| said.iter().any(|report| report.said == stopped);
-    let said = chip.order(Order::Stop);
+    let stopped = DeviceMessage::Mode(ModeReport::Stopped(StopReason::Commanded));
+    let is_stopped = |said: &[Report<16>]| said.iter().any(|report| report.message == stopped);
+    let said = chip.command(RobotCommand::Stop);
     assert!(is_stopped(&said), "{said:?}");
-    let order = motion(&said).expect("an order to stand");
-    assert_eq!((order.dx_mm, order.dy_mm), (0, 0));
+    let command = motion(&said).expect("an order to stand");
+    assert_eq!((command.dx_mm, command.dy_mm), (0, 0));
     // A stop works with any time and without a session.
     for (session, ahead_ms) in [(SESSION, 3_600_000_u32.wrapping_neg()), (0, 0)] {
-        chip.order(Order::Resume);
+        chip.command(RobotCommand::Resume);
         assert!(round(&mut chip, 900).is_some());
         let header = Header {
             session,
             seq: 30_000,
         };
         let at_ms = chip.at_ms().wrapping_add(ahead_ms);
-        let stop = ToMind::Command {
+        let stop = HostMessage::Command {
             at_ms,
             ttl_ms: 0,
-            order: Order::Stop,
+            command: RobotCommand::Stop,
         };
         chip.raw(&packed(header, &stop));
-        chip.wait(|_, report| (report.said == stopped).then_some(()));
-        chip.wait(|_, report| (report.said == FromMind::Done { seq: 30_000 }).then_some(()));
+        chip.wait(|_, report| (report.message == stopped).then_some(()));
+        chip.wait(|_, report| {
+            (report.message == DeviceMessage::Done { seq: 30_000 }).then_some(())
+        });
         if session == SESSION {
             chip.open(SESSION, Clock::Device);
         }
@@ -214,13 +223,13 @@ fn rings_from_long_ago_move_nothing() {
     let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     for (old_ms, age_ms) in [(0, 5_000), (0, 65_535), (60_000, 0)] {
-        let echoes = (0..16).map(|sensor| Heard {
+        let echoes = (0..16).map(|sensor| TimedEcho {
             sensor,
             range_mm: Some(1_500),
             age_ms,
         });
         let at_ms = chip.at_ms().wrapping_sub(old_ms);
-        let said = chip.ask(&ToMind::Scan {
+        let said = chip.ask(&HostMessage::Scan {
             at_ms,
             echoes: echoes.collect(),
         });
@@ -235,20 +244,20 @@ fn blocked_wheels_and_silence_stop_the_robot() {
     let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     let said = chip.ask(&scan(chip.at_ms(), 16, 900));
-    let order = motion(&said).expect("a motion");
+    let command = motion(&said).expect("a motion");
     let began_ms = said.last().expect("done").device_ms;
-    let overdue = FromMind::Mode(ModeReport::Stopped(StopReason::Overdue));
+    let overdue = DeviceMessage::Mode(ModeReport::Stopped(StopReason::Overdue));
     let stopped_ms = loop {
-        let mut said = chip.ask(&ToMind::Odometry {
+        let mut said = chip.ask(&HostMessage::Odometry {
             at_ms: chip.at_ms(),
-            motion: order.id,
+            motion: command.id,
             dx_mm: 0,
             dy_mm: 0,
             turned: 0,
             progress: Progress::Moving,
         });
         said.extend(chip.ask(&scan(chip.at_ms(), 16, 900)));
-        if let Some(report) = said.iter().find(|report| report.said == overdue) {
+        if let Some(report) = said.iter().find(|report| report.message == overdue) {
             break report.device_ms;
         }
         let waited_ms = said.last().expect("done").device_ms - began_ms;
@@ -258,24 +267,24 @@ fn blocked_wheels_and_silence_stop_the_robot() {
     // At most 250 mm, at 508 mm/s or less near an obstacle.
     let took_ms = stopped_ms - began_ms;
     assert!((500..2_000).contains(&took_ms), "{took_ms} ms");
-    chip.order(Order::Resume);
-    let nothing = FromMind::Mode(ModeReport::Stopped(StopReason::NothingHeard));
+    chip.command(RobotCommand::Resume);
+    let nothing = DeviceMessage::Mode(ModeReport::Stopped(StopReason::NoEchoes));
     let mut moves = 0;
     let stopped = (0..4).any(|_| {
-        let echoes = (0..16).map(|sensor| Heard {
+        let echoes = (0..16).map(|sensor| TimedEcho {
             sensor,
             range_mm: None,
             age_ms: 0,
         });
-        let said = chip.ask(&ToMind::Scan {
+        let said = chip.ask(&HostMessage::Scan {
             at_ms: chip.at_ms(),
             echoes: echoes.collect(),
         });
-        if let Some(order) = motion(&said) {
+        if let Some(command) = motion(&said) {
             moves += 1;
-            carry_out(&mut chip, &order);
+            carry_out(&mut chip, &command);
         }
-        said.iter().any(|report| report.said == nothing)
+        said.iter().any(|report| report.message == nothing)
     });
     assert!(stopped && moves == 2, "{moves} moves");
 }
@@ -294,19 +303,19 @@ fn ten_thousand_bad_frames_are_counted_and_do_nothing() {
     let mut chip = EmulatedChip::linked(Clock::Device);
     let mut generator = Xoshiro256PlusPlus::seed_from_u64(5);
     let mut below = |bound: usize| (generator.next_u64() % bound as u64) as usize;
-    let good = chip.packed(&ToMind::Read {
-        part: Part::Actions,
+    let good = chip.packed(&HostMessage::Read {
+        part: TransferPart::Actions,
         offset: 0,
     });
     chip.raw(&good);
-    chip.wait(|_, report| matches!(report.said, FromMind::Done { .. }).then_some(()));
+    chip.wait(|_, report| matches!(report.message, DeviceMessage::Done { .. }).then_some(()));
     let dangerous = |chip: &mut EmulatedChip| {
-        let order = Order::Explore { moves: 5, seed: 1 };
+        let command = RobotCommand::Explore { moves: 5, seed: 1 };
         let at_ms = chip.at_ms();
-        chip.packed(&ToMind::Command {
+        chip.packed(&HostMessage::Command {
             at_ms,
             ttl_ms: 60_000,
-            order,
+            command,
         })
     };
     let before = chip.counters();
@@ -356,7 +365,7 @@ fn ten_thousand_bad_frames_are_counted_and_do_nothing() {
         if number % 50 == 49 {
             // Paced by the emulated line, so that no count comes from a full queue.
             let at_ms = chip.at_ms();
-            chip.ask(&ToMind::Scan {
+            chip.ask(&HostMessage::Scan {
                 at_ms,
                 echoes: heapless::Vec::new(),
             });
@@ -366,7 +375,7 @@ fn ten_thousand_bad_frames_are_counted_and_do_nothing() {
     assert_eq!(after.device.queue_losses, before.device.queue_losses);
     let counted = [
         after.damaged - before.damaged,
-        after.misshapen - before.misshapen,
+        after.misshapen - before.malformed,
         after.oversized - before.oversized,
         after.replayed - before.replayed,
         after.unknown - before.unknown,
@@ -382,7 +391,7 @@ fn ten_thousand_bad_frames_are_counted_and_do_nothing() {
         0,
         201,
     ];
-    println!("damaged, misshapen, oversized, replayed, unknown, strangers, accepted: {counted:?}");
+    println!("damaged, malformed, oversized, replayed, unknown, strangers, accepted: {counted:?}");
     assert_eq!(counted, wanted);
     // The next valid frame works.
     seeking(&mut chip);
@@ -391,7 +400,7 @@ fn ten_thousand_bad_frames_are_counted_and_do_nothing() {
 /// The decoder's result for these bytes; other tests check the decoder itself.
 fn classify(bytes: &[u8], expected: &mut FloodCounters) {
     let (_, coded) = bytes.split_last().expect("a frame");
-    match amp::wire::frame::unpack::<ToMind<16>>(coded) {
+    match amp::wire::frame::unpack::<HostMessage<16>>(coded) {
         Ok(_) => panic!("a damaged frame was accepted: {coded:?}"),
         Err(amp::wire::FrameError::Crc) => expected.damaged += 1,
         Err(_) => expected.unshaped += 1,
@@ -406,10 +415,10 @@ fn a_flood_does_not_keep_time_from_passing() {
     let began = Instant::now();
     // More than the line transfers in three seconds, at once: requests for long answers, and
     // repeated frames.
-    let replay = chip.packed(&ToMind::Source(Source::Link));
+    let replay = chip.packed(&HostMessage::Source(Source::Link));
     let mut flood = Vec::new();
     while flood.len() < 64_000 {
-        flood.extend(chip.packed(&ToMind::Counters));
+        flood.extend(chip.packed(&HostMessage::Counters));
         flood.extend_from_slice(&replay);
     }
     chip.raw(&flood);
@@ -428,8 +437,8 @@ fn a_flood_does_not_keep_time_from_passing() {
         after.device.longest_tick_ms
     );
     // The robot still obeys commands.
-    chip.order(Order::Stop);
-    chip.order(Order::Resume);
+    chip.command(RobotCommand::Stop);
+    chip.command(RobotCommand::Resume);
     assert!(round(&mut chip, 900).is_some());
 }
 
@@ -438,20 +447,20 @@ fn another_protocol_is_refused_by_the_chip() {
     let mut chip = EmulatedChip::start();
     let mut theirs = dimensions();
     theirs.protocol += 1;
-    chip.send(&ToMind::Hello(HostHello {
+    chip.send(&HostMessage::Hello(HostHello {
         dimensions: theirs,
         clock: Clock::Device,
         open_space: false,
     }));
-    let why = chip.wait(|_, report| match report.said {
-        FromMind::Refusal { why, .. } => Some(why),
+    let why = chip.wait(|_, report| match report.message {
+        DeviceMessage::Refusal { reason, .. } => Some(why),
         _ => None,
     });
     assert_eq!(why, Refusal::Incompatible(dimensions()));
     // Nothing else is executed for it either.
-    chip.send(&ToMind::Counters);
-    let why = chip.wait(|_, report| match report.said {
-        FromMind::Refusal { why, .. } => Some(why),
+    chip.send(&HostMessage::Counters);
+    let why = chip.wait(|_, report| match report.message {
+        DeviceMessage::Refusal { reason, .. } => Some(why),
         _ => None,
     });
     assert_eq!(why, Refusal::NoSession);
@@ -469,8 +478,8 @@ fn crashes_are_reported_after_the_reset_and_nothing_moves() {
         ("!fault", ResetCause::HardFault),
     ] {
         chip.raw(format!("\0{word}\0").as_bytes());
-        let hello = chip.wait(|header, report| match report.said {
-            FromMind::Hello(hello) if header.session == 0 => Some(hello),
+        let hello = chip.wait(|header, report| match report.message {
+            DeviceMessage::Hello(hello) if header.session == 0 => Some(hello),
             _ => None,
         });
         assert_eq!(hello.reset, cause, "{word}");

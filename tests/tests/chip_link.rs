@@ -3,7 +3,7 @@
 use amp::controller::{Command, Decision, Event, handle};
 use amp::goal::Goal;
 use amp::units::{Millis, Range};
-use amp::wire::message::{Clock, FromMind, Heard, Order, Report, ToMind};
+use amp::wire::message::{Clock, DeviceMessage, HostMessage, Report, RobotCommand, TimedEcho};
 use remote::link::Knowledge;
 use sim::goal_file::GoalFile;
 use std::io::{BufRead as _, BufReader};
@@ -54,8 +54,8 @@ fn a_goal_file_is_what_the_chip_pursues(
     assert_eq!(link(program, board, "goal wall.toml"), "done\n");
     let mut chip = EmulatedChip::at(board.host());
     chip.open(SESSION, Clock::Host);
-    chip.order(Order::Seek);
-    let theirs = decision(&chip.ask(&ToMind::Scan {
+    chip.command(RobotCommand::Seek);
+    let theirs = decision(&chip.ask(&HostMessage::Scan {
         at_ms: chip.at_ms(),
         echoes: (0..16).map(heard).collect(),
     }));
@@ -67,8 +67,8 @@ fn a_goal_file_is_what_the_chip_pursues(
 }
 
 /// A ring with nearer echoes on the left.
-fn heard(sensor: u8) -> Heard {
-    Heard {
+fn heard(sensor: u8) -> TimedEcho {
+    TimedEcho {
         sensor,
         range_mm: Some(if sensor == 4 { 400 } else { 900 }),
         age_ms: 0,
@@ -76,8 +76,8 @@ fn heard(sensor: u8) -> Heard {
 }
 
 fn decision(said: &[Report<16>]) -> Option<Decision<16>> {
-    said.iter().find_map(|report| match report.said {
-        FromMind::Decision(decision) => Some(decision),
+    said.iter().find_map(|report| match report.message {
+        DeviceMessage::Decision(decision) => Some(decision),
         _ => None,
     })
 }

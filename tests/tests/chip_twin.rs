@@ -4,7 +4,7 @@
 use amp::config::Config;
 use amp::goal::{Goal, Side};
 use amp::units::Range;
-use amp::wire::message::{GoalBy, Order};
+use amp::wire::message::{GoalSpec, RobotCommand};
 use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::World;
@@ -12,15 +12,15 @@ use sim::episode::Body;
 use tests::twin::NodeTwin;
 
 /// The goal in each room: free space, both goals in the frame of travel, a sought place.
-fn goal(room: u64) -> GoalBy<16> {
+fn goal(room: u64) -> GoalSpec<16> {
     let config = Config::recommended();
     let range = Range::from_mm;
     match room {
-        2 => GoalBy::Components(Goal::wall(Side::Right, range(600), &config)),
-        3 => GoalBy::Components(Goal::passing(Side::Right, range(1_500), &config)),
-        4 => GoalBy::Situation([100; 16]),
-        5 => GoalBy::Components(Goal::following(range(340), &config)),
-        _ => GoalBy::Avoid,
+        2 => GoalSpec::Components(Goal::wall(Side::Right, range(600), &config)),
+        3 => GoalSpec::Components(Goal::passing(Side::Right, range(1_500), &config)),
+        4 => GoalSpec::Situation([100; 16]),
+        5 => GoalSpec::Components(Goal::following(range(340), &config)),
+        _ => GoalSpec::Avoid,
     }
 }
 
@@ -29,7 +29,7 @@ fn episode(room: u64, sonar: SonarModel, steps: usize) {
     let world = World::random(room);
     let mut body = Body::new(&world, sonar, TurretMode::Held, room);
     let mut twin = NodeTwin::new(sonar == SonarModel::Ideal);
-    twin.order(Order::Explore {
+    twin.command(RobotCommand::Explore {
         moves: 100,
         seed: room,
     });

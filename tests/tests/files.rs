@@ -76,7 +76,7 @@ fn a_file_that_is_written_anew_keeps_its_mode() {
     let program = host_sim!();
     let mind = NodeServer::start(Config::recommended()).expect("a mind behind a socket");
     let host = mind.host();
-    let pull = format!("link --to tcp:{host} pull FILE");
+    let pull = format!("link --to tcp:{host} download FILE");
     // A log is never overwritten.
     for line in [WRITERS[0], WRITERS[1], &pull] {
         for wanted in [0o640, 0o604] {
@@ -125,7 +125,7 @@ const READERS: [(&str, &str); 12] = [
     ("goal.toml", "run --steps 1 --behavior seek:FILE"),
     ("table.csv", "som --data FILE"),
     ("log.csv", "learn --log FILE"),
-    ("own.mind", "link --to tcp:127.0.0.1:1 push FILE"),
+    ("own.mind", "link --to tcp:127.0.0.1:1 upload FILE"),
     ("results.csv", "merge FILE"),
     ("found.csv", "plot FILE"),
     ("sweep.toml", "sweep FILE"),

@@ -1,7 +1,7 @@
 //! Hundreds of damaged files and messages for every reader, and inputs of past failures.
 
 use amp::config::Config;
-use amp::wire::message::{GoalBy, Heard, Order, Part, ToMind};
+use amp::wire::message::{GoalSpec, HostMessage, RobotCommand, TimedEcho, TransferPart};
 use nomad200::{Kind, Packet};
 use rand_core::SeedableRng as _;
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -74,42 +74,42 @@ fn packets() -> Vec<Vec<u8>> {
 
 /// A host that explores with one move, learns, seeks and reads.
 fn messages() -> Vec<u8> {
-    let command = |order| ToMind::Command {
+    let command = |command| HostMessage::Command {
         at_ms: 0,
         ttl_ms: u16::MAX,
-        order,
+        command,
     };
-    let scan = || ToMind::Scan {
+    let scan = || HostMessage::Scan {
         at_ms: 0,
         echoes: (0..16)
-            .map(|sensor| Heard {
+            .map(|sensor| TimedEcho {
                 sensor,
                 range_mm: Some(900 + 20 * u16::from(sensor)),
                 age_ms: 0,
             })
             .collect(),
     };
-    let read = ToMind::<16>::Read {
-        part: Part::Config,
+    let read = HostMessage::<16>::Read {
+        part: TransferPart::Config,
         offset: 0,
     };
     let all = [
-        command(Order::Explore { moves: 1, seed: 1 }),
+        command(RobotCommand::Explore { moves: 1, seed: 1 }),
         scan(),
         scan(),
-        command(Order::Learn),
-        command(Order::Goal(GoalBy::Avoid)),
-        command(Order::Seek),
+        command(RobotCommand::Learn),
+        command(RobotCommand::Goal(GoalSpec::Avoid)),
+        command(RobotCommand::Seek),
         scan(),
-        command(Order::Stop),
-        command(Order::Resume),
+        command(RobotCommand::Stop),
+        command(RobotCommand::Resume),
         read,
     ];
     let coded = all.iter().map(|message| postcard_of(&(1_u8, message)));
     [vec![0]].into_iter().chain(coded).flatten().collect()
 }
 
-fn postcard_of(message: &(u8, &ToMind<16>)) -> Vec<u8> {
+fn postcard_of(message: &(u8, &HostMessage<16>)) -> Vec<u8> {
     let mut room = [0; 512];
     let used = postcard::to_slice(message, &mut room).expect("it fits");
     used.to_vec()

@@ -2,7 +2,7 @@
 //! closed pages.
 
 use amp::config::Config;
-use amp::wire::message::{Counters, FromMind};
+use amp::wire::message::{Counters, DeviceMessage};
 use amp::wire::{Frame, Header, Report};
 use nomad200::{Greeting, Kind, LaserSetup, NomadCommand, Packet, StateMask};
 use remote::link::NodeServer;
@@ -308,7 +308,7 @@ fn stray_frames() -> Vec<u8> {
         let session = 48_879;
         let report: Report<16> = Report {
             device_ms: 0,
-            said: FromMind::Counters(Counters::NONE),
+            message: DeviceMessage::Counters(Counters::NONE),
         };
         let frame = Frame::pack(Header { session, seq }, &report).expect("a frame");
         frame.as_bytes().to_vec()

@@ -34,7 +34,7 @@ mod tests {
         config: Config<16>,
         state: State<16, 16, 100>,
         goal: Goal<16>,
-        kept: NamedGoals<16>,
+        goals: NamedGoals<16>,
     }
 
     impl StoredContents {
@@ -43,7 +43,7 @@ mod tests {
                 config: Config::recommended(),
                 state: State::new(Grid::rectangle(4, 4)),
                 goal: Goal::of([Component::ANY; 16]),
-                kept: NamedGoals::new(),
+                goals: NamedGoals::new(),
             }
         }
 
@@ -72,7 +72,7 @@ mod tests {
                 config: &self.config,
                 state: &self.state,
                 goal: &self.goal,
-                kept: &self.kept,
+                goals: &self.goals,
             }
         }
 
@@ -83,7 +83,7 @@ mod tests {
                     config: &mut self.config,
                     state: &mut self.state,
                     goal: &mut self.goal,
-                    kept: &mut self.kept,
+                    goals: &mut self.goals,
                 };
                 contents.read(read, most).map(drop)
             })

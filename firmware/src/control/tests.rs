@@ -4,10 +4,10 @@ use amp::parameters::Parameter;
 use amp::units::Range;
 use amp::wire::frame::{Header, unpack};
 use amp::wire::message::{
-    Clock, Counters, Dimensions, Heard, HostHello, ModeReport, Order, Oscillator, Refusal,
-    ResetCause,
+    Clock, Counters, Dimensions, HostHello, ModeReport, Oscillator, Refusal, ResetCause,
+    RobotCommand, TimedEcho,
 };
-use amp::wire::{Frame, FromMind, PROTOCOL, Report, SCHEMA, ToMind};
+use amp::wire::{DeviceMessage, Frame, HostMessage, PROTOCOL, Report, SCHEMA};
 use heapless::spsc::{Producer, Queue};
 use std::boxed::Box;
 use std::vec::Vec;
@@ -72,7 +72,7 @@ impl<F: NorFlash> ControlBench<F> {
         }
     }
 
-    fn send_request(&mut self, message: &ToMind<16>) {
+    fn send_request(&mut self, message: &HostMessage<16>) {
         self.seq += 1;
         let header = Header {
             session: 3,
@@ -93,7 +93,7 @@ impl<F: NorFlash> ControlBench<F> {
             sensors: 16,
             neurons: 16,
         };
-        self.send_request(&ToMind::Hello(HostHello {
+        self.send_request(&HostMessage::Hello(HostHello {
             dimensions,
             clock,
             open_space: false,
@@ -101,24 +101,24 @@ impl<F: NorFlash> ControlBench<F> {
     }
 
     /// The reports sent since the last call.
-    fn take_reports(&mut self) -> Vec<FromMind<16>> {
+    fn take_reports(&mut self) -> Vec<DeviceMessage<16>> {
         let mut receiver = Receiver::new();
         let mut reports = Vec::new();
         while let Some(byte) = self.outgoing.dequeue() {
             if let Some(frame) = receiver.push(byte) {
                 let (_, report) = unpack::<Report<16>>(frame).expect("a sound frame");
-                reports.push(report.said);
+                reports.push(report.message);
             }
         }
         reports
     }
 
     fn counters(&mut self, now_ms: u32) -> Counters {
-        self.send_request(&ToMind::Counters);
+        self.send_request(&HostMessage::Counters);
         assert!(!self.control.run(Millis::from_ms(now_ms)));
         let reports = self.take_reports();
         let counters = reports.iter().find_map(|report| match report {
-            FromMind::Counters(counters) => Some(*counters),
+            DeviceMessage::Counters(counters) => Some(*counters),
             _ => None,
         });
         counters.expect("the counters")
@@ -130,7 +130,7 @@ fn a_start_sends_a_hello_with_build_and_reset_cause() {
     let mut bench = bench();
     bench.start();
     assert!(bench.control.take_queued() && !bench.control.take_queued());
-    let [FromMind::Hello(hello)] = bench.take_reports()[..] else {
+    let [DeviceMessage::Hello(hello)] = bench.take_reports()[..] else {
         panic!("a hello");
     };
     assert_eq!(
@@ -178,7 +178,7 @@ fn garbage_is_counted_and_the_next_frame_accepted() {
     assert!(!bench.control.run(Millis::from_ms(1)));
     let counters = bench.counters(2);
     // The Hello and the request; the oversized frame; the malformed one.
-    let counted = (counters.accepted, counters.oversized, counters.misshapen);
+    let counted = (counters.accepted, counters.oversized, counters.malformed);
     assert_eq!(counted, (2, 1, 1));
 }
 
@@ -195,7 +195,7 @@ fn a_full_queue_is_emptied_in_one_run() {
 }
 
 /// Runs until no work is left. Every queued byte is sent, and timeout requests are granted.
-fn settle(bench: &mut ControlBench, now_ms: u32) -> Vec<FromMind<16>> {
+fn settle(bench: &mut ControlBench, now_ms: u32) -> Vec<DeviceMessage<16>> {
     let mut reports = Vec::new();
     for _ in 0..10 {
         let requested = bench.control.needs_long_timeout();
@@ -211,7 +211,7 @@ fn settle(bench: &mut ControlBench, now_ms: u32) -> Vec<FromMind<16>> {
 
 fn config_crc(bench: &mut ControlBench) -> u32 {
     bench.start();
-    let [FromMind::Hello(hello)] = bench.take_reports()[..] else {
+    let [DeviceMessage::Hello(hello)] = bench.take_reports()[..] else {
         panic!("a hello");
     };
     hello.config_crc
@@ -222,24 +222,24 @@ fn a_saved_image_is_loaded_at_the_next_start() {
     let mut bench = bench();
     let fresh = config_crc(&mut bench);
     bench.open();
-    bench.send_request(&ToMind::Parameter {
+    bench.send_request(&HostMessage::Parameter {
         parameter: Parameter::Far,
         value: Some(1_300),
     });
-    bench.send_request(&ToMind::Flash(Flash::Save));
+    bench.send_request(&HostMessage::Flash(FlashOperation::Save));
     // Waits in the queue behind the save.
-    bench.send_request(&ToMind::Mode);
+    bench.send_request(&HostMessage::Mode);
     let reports = settle(&mut bench, 5);
     let tail = reports.split_at(reports.len() - 4).1;
     assert_eq!(
         tail,
         [
-            FromMind::Busy {
+            DeviceMessage::Busy {
                 ms: persist::WRITE_MS
             },
-            FromMind::Done { seq: 3 },
-            FromMind::Mode(ModeReport::Idle),
-            FromMind::Done { seq: 4 },
+            DeviceMessage::Done { seq: 3 },
+            DeviceMessage::Mode(ModeReport::Idle),
+            DeviceMessage::Done { seq: 4 },
         ]
     );
     let mut next = bench_with_flash(bench.control.store.expect("a store").into_flash());
@@ -247,15 +247,15 @@ fn a_saved_image_is_loaded_at_the_next_start() {
     assert_ne!(saved, fresh);
     // After the erasure there is nothing to load.
     next.open();
-    next.send_request(&ToMind::Flash(Flash::Erase));
-    next.send_request(&ToMind::Flash(Flash::Recall));
+    next.send_request(&HostMessage::Flash(FlashOperation::Erase));
+    next.send_request(&HostMessage::Flash(FlashOperation::Load));
     let reports = settle(&mut next, 9);
-    assert!(reports.contains(&FromMind::Busy {
+    assert!(reports.contains(&DeviceMessage::Busy {
         ms: 2 * persist::ERASE_MS
     }));
-    let why = Refusal::Flash(FlashError::Empty);
+    let reason = Refusal::Flash(FlashError::Empty);
     assert!(
-        reports.contains(&FromMind::Refusal { seq: 3, why }),
+        reports.contains(&DeviceMessage::Refusal { seq: 3, reason }),
         "{reports:?}"
     );
     let mut last = bench_with_flash(next.control.store.expect("a store").into_flash());
@@ -267,7 +267,7 @@ fn a_pause_waits_for_its_announcement_and_for_the_watchdog() {
     let mut bench = bench();
     bench.start();
     bench.open();
-    bench.send_request(&ToMind::Flash(Flash::Save));
+    bench.send_request(&HostMessage::Flash(FlashOperation::Save));
     assert!(bench.control.run(Millis::from_ms(0)) && !bench.control.needs_long_timeout());
     assert!(!bench.control.run(Millis::from_ms(0)) && bench.control.needs_long_timeout());
     let _ = bench.take_reports();
@@ -277,7 +277,7 @@ fn a_pause_waits_for_its_announcement_and_for_the_watchdog() {
     let _ = settle(&mut bench, 1);
     assert_eq!(bench.generation(), 1);
     // The sector holds one image: the next save erases the other sector.
-    bench.send_request(&ToMind::Flash(Flash::Save));
+    bench.send_request(&HostMessage::Flash(FlashOperation::Save));
     assert!(bench.control.run(Millis::from_ms(2)) && !bench.control.needs_long_timeout());
     for has_long_timeout in [false, true] {
         // Nothing happens until the announcement is sent.
@@ -287,13 +287,13 @@ fn a_pause_waits_for_its_announcement_and_for_the_watchdog() {
     }
     let pause_ms = persist::WRITE_MS + persist::ERASE_MS;
     let reports = bench.take_reports();
-    assert_eq!(reports.last(), Some(&FromMind::Busy { ms: pause_ms }));
+    assert_eq!(reports.last(), Some(&DeviceMessage::Busy { ms: pause_ms }));
     bench.control.set_has_long_timeout(false);
     assert!(!bench.control.run(Millis::from_ms(4)));
     assert_eq!(bench.generation(), 1);
     bench.control.set_has_long_timeout(true);
     assert!(bench.control.run(Millis::from_ms(5)));
-    assert_eq!(bench.take_reports(), [FromMind::Done { seq: 3 }]);
+    assert_eq!(bench.take_reports(), [DeviceMessage::Done { seq: 3 }]);
     assert!(bench.generation() == 2 && !bench.control.needs_long_timeout());
 }
 
@@ -330,15 +330,15 @@ fn fire(near: &mut Producer<'static, RingReading>, transducers: core::ops::Range
 }
 
 /// The commanded displacement, dx and dy.
-fn motion(reports: &[FromMind<16>]) -> Option<(i16, i16)> {
+fn motion(reports: &[DeviceMessage<16>]) -> Option<(i16, i16)> {
     reports.iter().find_map(|report| match report {
-        FromMind::Motion(order) => Some((order.dx_mm, order.dy_mm)),
+        DeviceMessage::Motion(command) => Some((command.dx_mm, command.dy_mm)),
         _ => None,
     })
 }
 
 fn listen(bench: &mut ControlBench, source: Source, now_ms: u32) {
-    bench.send_request(&ToMind::Source(source));
+    bench.send_request(&HostMessage::Source(source));
     let _ = bench.control.run(Millis::from_ms(now_ms));
 }
 
@@ -360,10 +360,10 @@ fn ring_readings_reach_the_node_with_their_age() {
     fire(&mut near, 0..15, 2);
     listen(&mut bench, Source::Link, 3);
     listen(&mut bench, Source::Ring, 4);
-    bench.send_request(&ToMind::Command {
+    bench.send_request(&HostMessage::Command {
         at_ms: 5,
         ttl_ms: 1_000,
-        order: Order::Explore { moves: 3, seed: 1 },
+        command: RobotCommand::Explore { moves: 3, seed: 1 },
     });
     let _ = bench.control.run(Millis::from_ms(5));
     bench.take_reports();
@@ -389,7 +389,7 @@ fn ring_readings_reach_the_node_with_their_age() {
 fn the_ring_rests_while_flash_is_in_use() {
     let (mut bench, _near) = ringed(bench());
     listen(&mut bench, Source::Ring, 2);
-    bench.send_request(&ToMind::Flash(Flash::Save));
+    bench.send_request(&HostMessage::Flash(FlashOperation::Save));
     let _ = bench.control.run(Millis::from_ms(3));
     let _ = bench.control.run(Millis::from_ms(4));
     assert!(!bench.control.needs_ring());
@@ -408,13 +408,17 @@ fn a_board_without_flash_refuses_at_once_and_continues() {
     bench.open();
     assert!(!bench.control.run(Millis::from_ms(1)));
     let _ = bench.take_reports();
-    for task in [Flash::Save, Flash::Recall, Flash::Erase] {
-        bench.send_request(&ToMind::Flash(task));
+    for task in [
+        FlashOperation::Save,
+        FlashOperation::Load,
+        FlashOperation::Erase,
+    ] {
+        bench.send_request(&HostMessage::Flash(task));
         while bench.control.run(Millis::from_ms(2)) {}
         let reports = bench.take_reports();
-        let absent = Refusal::Flash(FlashError::Absent);
+        let absent = Refusal::Flash(FlashError::NoFlash);
         assert!(
-            matches!(reports[..], [FromMind::Refusal { why, .. }, FromMind::Done { .. }] if why == absent),
+            matches!(reports[..], [DeviceMessage::Refusal { reason, .. }, DeviceMessage::Done { .. }] if reason == absent),
             "{task:?}: {reports:?}"
         );
     }
@@ -433,10 +437,10 @@ fn exploring_by(clock: Clock) -> ControlBench {
     bench.open_by(clock);
     let _ = bench.control.run(Millis::from_ms(1));
     assert!(bench.control.is_linked() && !bench.control.may_move(Millis::from_ms(1)));
-    bench.send_request(&ToMind::Command {
+    bench.send_request(&HostMessage::Command {
         at_ms: 1,
         ttl_ms: 1_000,
-        order: Order::Explore { moves: 10, seed: 1 },
+        command: RobotCommand::Explore { moves: 10, seed: 1 },
     });
     let _ = bench.control.run(Millis::from_ms(2));
     let _ = bench.take_reports();
@@ -455,7 +459,7 @@ fn the_permit_requires_a_recently_heard_host_with_either_clock() {
         // The host was last heard at 2 ms.
         assert!(permit_at(&mut bench, 302), "{clock:?}");
         assert!(!permit_at(&mut bench, 303), "{clock:?}");
-        bench.send_request(&ToMind::Alive { at_ms: 3 });
+        bench.send_request(&HostMessage::Alive { at_ms: 3 });
         // By the device's clock the host is lost and must resume; by the host's clock it is not.
         assert_eq!(permit_at(&mut bench, 600), clock == Clock::Host);
         assert!(!permit_at(&mut bench, 901), "{clock:?}");
@@ -471,33 +475,33 @@ fn nothing_moves_while_the_emergency_stop_is_open() {
     };
     for (alarms, moves) in [(Alarms::default(), true), (open, false)] {
         let mut bench = exploring();
-        bench.send_request(&ToMind::Command {
+        bench.send_request(&HostMessage::Command {
             at_ms: 2,
             ttl_ms: 1_000,
-            order: Order::Stop,
+            command: RobotCommand::Stop,
         });
         let _ = bench.control.run(Millis::from_ms(3));
         let _ = bench.take_reports();
         bench
             .control
             .apply_alarms(alarms, false, Millis::from_ms(4));
-        bench.send_request(&ToMind::Command {
+        bench.send_request(&HostMessage::Command {
             at_ms: 4,
             ttl_ms: 1_000,
-            order: Order::Resume,
+            command: RobotCommand::Resume,
         });
-        let echo = |sensor| Heard {
+        let echo = |sensor| TimedEcho {
             sensor,
             range_mm: Some(1_500),
             age_ms: 0,
         };
-        bench.send_request(&ToMind::Scan {
+        bench.send_request(&HostMessage::Scan {
             at_ms: 4,
             echoes: (0..16).map(echo).collect(),
         });
         let _ = bench.control.run(Millis::from_ms(4));
         let reports = bench.take_reports();
-        let is_motion = |report: &FromMind<16>| matches!(report, FromMind::Motion(_));
+        let is_motion = |report: &DeviceMessage<16>| matches!(report, DeviceMessage::Motion(_));
         assert_eq!(reports.iter().any(is_motion), moves, "{reports:?}");
         assert_eq!(bench.control.may_move(Millis::from_ms(5)), moves);
     }
@@ -525,7 +529,7 @@ fn alarms_stop_the_robot_and_report_the_reason() {
         bench.control.apply_alarms(alarms, low_voltage, now);
         assert!(!bench.control.may_move(now));
         let reports = bench.take_reports();
-        let mode = FromMind::Mode(ModeReport::Stopped(reason));
+        let mode = DeviceMessage::Mode(ModeReport::Stopped(reason));
         assert!(reports.contains(&mode), "{reports:?}");
     }
 }
@@ -534,10 +538,10 @@ fn alarms_stop_the_robot_and_report_the_reason() {
 fn a_touch_ends_the_motion_under_way_and_nothing_else() {
     let (mut bench, mut near) = ringed(bench());
     listen(&mut bench, Source::Ring, 2);
-    bench.send_request(&ToMind::Command {
+    bench.send_request(&HostMessage::Command {
         at_ms: 3,
         ttl_ms: 1_000,
-        order: Order::Explore { moves: 10, seed: 1 },
+        command: RobotCommand::Explore { moves: 10, seed: 1 },
     });
     let _ = bench.control.run(Millis::from_ms(3));
     let touched = Alarms {

@@ -15,7 +15,7 @@ struct TestContents<const SENSORS: usize, const NEURONS: usize, const SAMPLES: u
     config: Config<SENSORS>,
     state: Box<State<SENSORS, NEURONS, SAMPLES>>,
     goal: Goal<SENSORS>,
-    kept: NamedGoals<SENSORS>,
+    goals: NamedGoals<SENSORS>,
 }
 
 type Nomad = TestContents<16, 16, 100>;
@@ -30,7 +30,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             config: supervisable(Node::<SENSORS, NEURONS, SAMPLES>::new().config()),
             state: Box::new(State::new(Grid::rectangle(1, 2))),
             goal: Goal::of([Component::ANY; SENSORS]),
-            kept: NamedGoals::new(),
+            goals: NamedGoals::new(),
         };
         stored.goal.progress_q16 = number as u16;
         let mut bytes = number.to_le_bytes().into_iter().cycle();
@@ -55,7 +55,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             config: &self.config,
             state: &self.state,
             goal: &self.goal,
-            kept: &self.kept,
+            goals: &self.goals,
         }
     }
 
@@ -77,7 +77,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 config: &mut stored.config,
                 state: &mut stored.state,
                 goal: &mut stored.goal,
-                kept: &mut stored.kept,
+                goals: &mut stored.goals,
             };
             contents.read(read, most).map(drop)
         })?;
@@ -240,11 +240,15 @@ fn an_interrupted_erasure_leaves_whole_images() {
     }
     let erasures = before.erasures.iter().sum::<u32>();
     let mut store = nomad(before);
-    assert_eq!(store.pause_ms(Flash::Erase), 2 * ERASE_MS);
+    assert_eq!(store.pause_ms(FlashOperation::Erase), 2 * ERASE_MS);
     assert_eq!(store.erase(), Ok(()));
     assert_eq!(store.flash.erasures.iter().sum::<u32>(), erasures + 2);
     assert_eq!(number::<16, 16, 100, _>(&mut store, &[]), None);
-    assert_eq!(store.pause_ms(Flash::Save), WRITE_MS, "there is room");
+    assert_eq!(
+        store.pause_ms(FlashOperation::Save),
+        WRITE_MS,
+        "there is room"
+    );
     assert_eq!(nomad(store.flash).generation(), 0);
 }
 
@@ -256,7 +260,7 @@ fn a_save_erases_only_when_a_sector_has_filled_since_the_start() {
         let mut store = Store::mount(flash, SMALL_SLOT);
         store.ensure_free_slot().expect("there is power");
         assert_eq!(
-            store.pause_ms(Flash::Save),
+            store.pause_ms(FlashOperation::Save),
             WRITE_MS,
             "room after each start"
         );
@@ -266,7 +270,7 @@ fn a_save_erases_only_when_a_sector_has_filled_since_the_start() {
     // One erasure at the first start, and one for each sector of fifteen slots that had filled.
     assert_eq!(flash.erasures, [5, 5]);
     let mut store = Store::mount(flash, SMALL_SLOT);
-    assert_eq!(store.pause_ms(Flash::Save), WRITE_MS + ERASE_MS);
+    assert_eq!(store.pause_ms(FlashOperation::Save), WRITE_MS + ERASE_MS);
     store.save(&Small::of(151).contents()).expect("room");
     assert_eq!(store.flash.erasures, [6, 5]);
     // The previous image is in the other sector: it becomes the newest.

@@ -221,7 +221,7 @@ fn seek(robot: &mut FixtureRobot, map: &MapRecord) -> Vec<Step> {
         let plan = PlanTrace {
             goal_neuron: 3,
             current_neuron: winner(map, &here.situation),
-            intermediate_neuron: 7,
+            subgoal_neuron: 7,
             wanted_change: here.situation.iter().map(|v| -0.4 * v).collect(),
             action_neuron: at,
             at_goal: strength == 0.0,

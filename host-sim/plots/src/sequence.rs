@@ -251,10 +251,10 @@ fn row(step: &Step) -> [String; 5] {
     };
     let name = |neuron: usize| format!("N{}", neuron + 1);
     let from = name(plan.current_neuron);
-    let neurons = if plan.at_goal || plan.intermediate_neuron == plan.current_neuron {
+    let neurons = if plan.at_goal || plan.subgoal_neuron == plan.current_neuron {
         from
     } else {
-        format!("{from} to {}", name(plan.intermediate_neuron))
+        format!("{from} to {}", name(plan.subgoal_neuron))
     };
     [
         neurons,

@@ -22,7 +22,7 @@ impl std::fmt::Display for EpisodeError {
         match self {
             Self::Refused(why) => write!(f, "the controller refused a command: {why:?}"),
             Self::Silent => f.write_str("the controller took no decision for a hundred rings"),
-            Self::Stopped(StopReason::NothingHeard) => f.write_str(
+            Self::Stopped(StopReason::NoEchoes) => f.write_str(
                 "the robot stopped: no sonar received an echo in three rings (use --set open-space=on in open space)",
             ),
             Self::Stopped(reason) => write!(f, "the robot stopped: {}", stop_reason(*reason)),
@@ -40,7 +40,7 @@ pub fn stop_reason(reason: StopReason) -> &'static str {
         StopReason::Commanded => "on command",
         StopReason::RingIncomplete => "a sonar did not report in time",
         StopReason::LinkLost => "the host was silent for too long",
-        StopReason::NothingHeard => "no sonar received an echo in three rings",
+        StopReason::NoEchoes => "no sonar received an echo in three rings",
         StopReason::Overdue => "its motion did not end in time: the wheels may be blocked",
         StopReason::EmergencyStop => "the emergency stop was pressed, or its wire is broken",
         StopReason::LowVoltage => "its supply voltage is too low",

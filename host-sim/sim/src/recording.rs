@@ -40,7 +40,7 @@ pub struct PlanTrace {
     /// Best-matching unit of the current situation.
     pub current_neuron: usize,
     /// Neighbor of the current neuron that is nearer to the goal.
-    pub intermediate_neuron: usize,
+    pub subgoal_neuron: usize,
     /// Wanted change of situation, one value in [-1, 1] per transducer: the probe of the action
     /// map.
     pub wanted_change: Vec<f64>,

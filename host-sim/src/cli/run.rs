@@ -47,7 +47,7 @@ pub struct RunArgs {
     /// Write pictures and a page for each world into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Write the controller's final state into this file, for `host-sim link … push` (one world,
+    /// Write the controller's final state into this file, for `host-sim link … upload` (one world,
     /// --mind host)
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
@@ -167,7 +167,7 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), CliError> {
         && (sources.len() > 1 || args.mind.choice != MindChoice::Host)
     {
         return Err(BadInput::new(format!(
-            "--save {}: only the controller in this process, of one world (a chip's: host-sim link … pull)",
+            "--save {}: only the controller in this process, of one world (a chip's: host-sim link … download)",
             file.display()
         ))
         .into());

@@ -16,8 +16,8 @@ use amp::config::Config;
 use amp::controller::Decision;
 use amp::fixed::Weight;
 use amp::scan::Situation;
-use amp::wire::FromMind;
-use amp::wire::message::{self, GoalBy, ModeReport};
+use amp::wire::DeviceMessage;
+use amp::wire::message::{self, GoalSpec, ModeReport};
 use arena::world::Point;
 use files::hex::unhex;
 use remote::link::{Knowledge, LinkError, Session};
@@ -114,7 +114,7 @@ impl WatchedBoard {
         self.session.send_heartbeat(at_ms)?;
         let mut whole = false;
         while let Some(report) = self.session.next_report(until)? {
-            whole |= self.take(&report.said);
+            whole |= self.take(&report.message);
         }
         self.checked += 1;
         if self.checked.is_multiple_of(MODE_POLL) {
@@ -130,10 +130,10 @@ impl WatchedBoard {
         Ok(whole)
     }
 
-    fn take(&mut self, said: &FromMind<16>) -> bool {
+    fn take(&mut self, said: &DeviceMessage<16>) -> bool {
         match said {
-            FromMind::Decision(decision) => self.decide(decision),
-            FromMind::Mode(mode) => return self.change(*mode),
+            DeviceMessage::Decision(decision) => self.decide(decision),
+            DeviceMessage::Mode(mode) => return self.change(*mode),
             _ => return false,
         }
         true
@@ -184,7 +184,7 @@ impl WatchedBoard {
         match self.goal.advance(self.counts.steps, self.counts.at_goal) {
             None => Ok(()),
             Some(true) => self.pursue(),
-            Some(false) => self.send_command(message::Order::Stop),
+            Some(false) => self.send_command(message::RobotCommand::Stop),
         }
     }
 
@@ -201,12 +201,12 @@ impl WatchedBoard {
         !matches!(self.mode, ModeReport::Idle | ModeReport::Stopped(_))
     }
 
-    fn send_command(&mut self, order: message::Order<16>) -> Result<(), LinkError> {
+    fn send_command(&mut self, command: message::RobotCommand<16>) -> Result<(), LinkError> {
         let at_ms = self.session.elapsed_ms();
-        let reports = self.session.command(at_ms, order)?;
+        let reports = self.session.command(at_ms, command)?;
         let mut changed = false;
         for report in &reports {
-            changed |= self.take(&report.said);
+            changed |= self.take(&report.message);
         }
         if changed && !self.moves() {
             self.fetch()?;
@@ -216,8 +216,8 @@ impl WatchedBoard {
 
     fn pursue(&mut self) -> Result<(), LinkError> {
         let goal = self.goal.goal(&self.config, &self.nest());
-        self.send_command(message::Order::Goal(GoalBy::Components(goal)))?;
-        self.send_command(message::Order::Seek)
+        self.send_command(message::RobotCommand::Goal(GoalSpec::Components(goal)))?;
+        self.send_command(message::RobotCommand::Seek)
     }
 
     fn nest(&self) -> Situation<16> {
@@ -229,17 +229,17 @@ impl WatchedBoard {
             return Err("it still learns".into());
         }
         match command {
-            PageCommand::Stop => self.send_command(message::Order::Stop)?,
-            PageCommand::Explore => self.send_command(message::Order::Explore {
+            PageCommand::Stop => self.send_command(message::RobotCommand::Stop)?,
+            PageCommand::Explore => self.send_command(message::RobotCommand::Explore {
                 moves: self.explore_moves,
                 seed: Seeds::of(self.seed).exploration,
             })?,
-            PageCommand::Learn => self.send_command(message::Order::Learn)?,
+            PageCommand::Learn => self.send_command(message::RobotCommand::Learn)?,
             PageCommand::Seek => {
                 self.goal.begin(self.counts.steps, self.counts.at_goal);
                 self.pursue()?;
             }
-            PageCommand::Resume => self.send_command(message::Order::Resume)?,
+            PageCommand::Resume => self.send_command(message::RobotCommand::Resume)?,
             PageCommand::Behavior { .. }
             | PageCommand::GoalNeuron { .. }
             | PageCommand::GoalFile { .. } => {
@@ -324,7 +324,7 @@ impl ViewSource for WatchedBoard {
         if self.failure.is_some() || !drives {
             return;
         }
-        match self.send_command(message::Order::Stop) {
+        match self.send_command(message::RobotCommand::Stop) {
             Ok(()) => {
                 let seconds = silence.as_secs_f64();
                 self.note = Some(format!(
@@ -340,7 +340,7 @@ impl ViewSource for WatchedBoard {
         if self.failure.is_some() || !self.moves() {
             return Ok(());
         }
-        let stopped = self.send_command(message::Order::Stop);
+        let stopped = self.send_command(message::RobotCommand::Stop);
         stopped.map_err(|error| format!("{}: {error}", self.name))
     }
 }

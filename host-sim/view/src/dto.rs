@@ -149,7 +149,7 @@ pub(super) fn plan_dto(plan: &Plan<16>, known: &SimState) -> PlanDto {
     let [goal, current, intermediate, action] = [
         plan.goal_neuron,
         plan.current_neuron,
-        plan.intermediate_neuron,
+        plan.subgoal_neuron,
         plan.action_neuron,
     ]
     .map(usize::from);

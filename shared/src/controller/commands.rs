@@ -19,15 +19,15 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         command: Command<SENSORS>,
     ) -> Outputs<SENSORS> {
         self.last_plan.forget_cost();
-        let most = u16::try_from(SAMPLES).unwrap_or(u16::MAX);
+        let max = u16::try_from(SAMPLES).unwrap_or(u16::MAX);
         let mode = match command {
-            Command::Explore { moves, .. } if moves == 0 || moves > most => {
-                return refused(CommandRefusal::Moves { most });
+            Command::Explore { moves, .. } if moves == 0 || moves > max => {
+                return refused(CommandRefusal::InvalidMoveCount { max });
             }
             Command::Learn if self.memory.samples().is_empty() => {
                 return refused(CommandRefusal::NoSamples);
             }
-            Command::Seek(_) if !self.learned => return refused(CommandRefusal::NotLearnt),
+            Command::Seek(_) if !self.learned => return refused(CommandRefusal::NotLearned),
             Command::Explore { moves, seed } => {
                 self.generator = Some(Xoshiro128PlusPlus::seed_from_u64(seed));
                 self.memory.clear();

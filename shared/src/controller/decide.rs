@@ -24,7 +24,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     #[inline(never)]
     pub(super) fn decide(&mut self, config: &Config<SENSORS>, now: Millis) -> Outputs<SENSORS> {
         if self.hears_nothing() {
-            return self.alarm(now, StopReason::NothingHeard);
+            return self.alarm(now, StopReason::NoEchoes);
         }
         let situation = &Aligned(config.encoding.situation(&self.scan));
         match self.mode {

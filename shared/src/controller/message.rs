@@ -43,7 +43,8 @@ pub enum StopReason {
     LinkLost,
     /// Three rings in a row heard no echo at all, and no open space is expected
     /// ([`State::expects_open_space`](super::State::expects_open_space)).
-    NothingHeard,
+    #[serde(alias = "NothingHeard")]
+    NoEchoes,
     /// A motion had not ended at its deadline: twice its distance over its speed, plus 0.5 s.
     Overdue,
     /// The emergency stop was pressed, or its wire is broken.
@@ -58,14 +59,17 @@ pub enum StopReason {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CommandRefusal {
     /// More moves than the memory holds, or none.
-    Moves {
+    #[serde(alias = "Moves")]
+    InvalidMoveCount {
         /// The most it holds.
-        most: u16,
+        #[serde(alias = "most")]
+        max: u16,
     },
     /// The memory is empty.
     NoSamples,
     /// The maps have not been learned.
-    NotLearnt,
+    #[serde(alias = "NotLearnt")]
+    NotLearned,
     /// No stop interrupted anything.
     NothingToResume,
 }

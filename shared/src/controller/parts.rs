@@ -32,24 +32,24 @@ pub enum StatePart {
 
 /// Why a piece was not taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum PartError {
+pub enum TransferError {
     /// The robot explores, learns or seeks.
     Busy,
     /// The piece does not begin or end where a component or a sample does, or lies beyond the end;
     /// samples come in order.
-    Place,
+    OutOfBounds,
 }
 
-impl core::fmt::Display for PartError {
+impl core::fmt::Display for TransferError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Self::Busy => "the robot explores, learns or seeks",
-            Self::Place => "the piece does not fit where it says",
+            Self::OutOfBounds => "the piece does not fit where it says",
         })
     }
 }
 
-impl core::error::Error for PartError {}
+impl core::error::Error for TransferError {}
 
 /// Bytes of a component.
 const COMPONENT: usize = 4;
@@ -100,15 +100,15 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     /// ends they count as learned.
     ///
     /// # Errors
-    /// [`PartError`]; nothing has changed then.
+    /// [`TransferError`]; nothing has changed then.
     pub fn write_part(
         &mut self,
         part: StatePart,
         offset: usize,
         bytes: &[u8],
-    ) -> Result<(), PartError> {
+    ) -> Result<(), TransferError> {
         if !matches!(self.mode, Mode::Idle | Mode::Stopped(_)) {
-            return Err(PartError::Busy);
+            return Err(TransferError::Busy);
         }
         match part {
             StatePart::Situations => write_map(&mut self.situations, offset, bytes)?,
@@ -124,7 +124,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         Ok(())
     }
 
-    fn write_memory(&mut self, offset: usize, bytes: &[u8]) -> Result<(), PartError> {
+    fn write_memory(&mut self, offset: usize, bytes: &[u8]) -> Result<(), TransferError> {
         let kept = if offset == 0 {
             0
         } else {
@@ -138,7 +138,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             || offset != kept * Self::SAMPLE_BYTES
             || kept.saturating_add(samples.len()) > SAMPLES
         {
-            return Err(PartError::Place);
+            return Err(TransferError::OutOfBounds);
         }
         if offset == 0 {
             self.memory.clear();
@@ -190,11 +190,11 @@ fn write_map<const NEURONS: usize, const DIMS: usize>(
     map: &mut Som<NEURONS, DIMS>,
     offset: usize,
     bytes: &[u8],
-) -> Result<(), PartError> {
+) -> Result<(), TransferError> {
     let (components, rest) = bytes.as_chunks::<COMPONENT>();
     let end = offset.saturating_add(bytes.len());
     if !rest.is_empty() || !offset.is_multiple_of(COMPONENT) || end > COMPONENT * NEURONS * DIMS {
-        return Err(PartError::Place);
+        return Err(TransferError::OutOfBounds);
     }
     for (index, component) in (offset / COMPONENT..).zip(components) {
         map.set_component(index, Weight32::from_bits(i32::from_le_bytes(*component)));

@@ -165,16 +165,16 @@ fn commands_that_cannot_be_carried_out_are_refused() {
     let goal = Goal::free_of_obstacles();
     assert_eq!(
         refusal(Command::Seek(goal)),
-        Some(CommandRefusal::NotLearnt)
+        Some(CommandRefusal::NotLearned)
     );
     let explore = |moves| Command::Explore { moves, seed: 1 };
     assert_eq!(
         refusal(explore(0)),
-        Some(CommandRefusal::Moves { most: 20 })
+        Some(CommandRefusal::InvalidMoveCount { max: 20 })
     );
     assert_eq!(
         refusal(explore(21)),
-        Some(CommandRefusal::Moves { most: 20 })
+        Some(CommandRefusal::InvalidMoveCount { max: 20 })
     );
     assert_eq!(bench.state.mode(), &Mode::Idle);
 }
@@ -609,7 +609,7 @@ fn parts_are_written_while_the_robot_stands_and_where_they_fit() {
         (0, &four[..3]),
     ] {
         let refused = write(&mut bench, StatePart::Actions, offset, bytes);
-        assert_eq!(refused, Err(PartError::Place), "{offset}");
+        assert_eq!(refused, Err(TransferError::OutOfBounds), "{offset}");
     }
     // Samples follow one another, whole, and no more than there is room for.
     let sample = [7; Robot::SAMPLE_BYTES];
@@ -620,13 +620,14 @@ fn parts_are_written_while_the_robot_stands_and_where_they_fit() {
         (sample.len(), &[7; 20 * Robot::SAMPLE_BYTES]),
     ] {
         let refused = write(&mut bench, StatePart::Memory, offset, bytes);
-        assert_eq!(refused, Err(PartError::Place), "{offset}");
+        assert_eq!(refused, Err(TransferError::OutOfBounds), "{offset}");
     }
     assert_eq!(bench.state.memory().samples().len(), 1);
     bench.send(Event::Command(Command::Explore { moves: 20, seed: 3 }));
     let busy = write(&mut bench, StatePart::Actions, 0, &four);
-    assert_eq!(busy, Err(PartError::Busy));
-    let words = [PartError::Busy, PartError::Place].map(|error| std::format!("{error}"));
+    assert_eq!(busy, Err(TransferError::Busy));
+    let words =
+        [TransferError::Busy, TransferError::OutOfBounds].map(|error| std::format!("{error}"));
     assert_eq!(words[0], "the robot explores, learns or seeks");
     assert_eq!(words[1], "the piece does not fit where it says");
 }

@@ -31,7 +31,7 @@ impl Name {
         name.is_valid().then_some(name)
     }
 
-    /// Whether goals may be kept under it; whatever bytes the link brought.
+    /// Whether goals may be saved under it; whatever bytes the link brought.
     #[must_use]
     fn is_valid(&self) -> bool {
         let text = self.as_bytes();
@@ -83,7 +83,7 @@ impl core::fmt::Display for SaveGoalError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Self::Name => "a name has 1 to 12 printable characters without blanks",
-            Self::Full => "as many goals are kept as can be",
+            Self::Full => "the memory for goals is full",
         })
     }
 }
@@ -107,16 +107,16 @@ impl<const SENSORS: usize> NamedGoals<SENSORS> {
     ///
     /// # Errors
     /// [`SaveGoalError`].
-    pub fn save(&mut self, kept: NamedGoal<SENSORS>) -> Result<(), SaveGoalError> {
-        if !kept.name.is_valid() {
+    pub fn save(&mut self, goal: NamedGoal<SENSORS>) -> Result<(), SaveGoalError> {
+        if !goal.name.is_valid() {
             return Err(SaveGoalError::Name);
         }
         let mut goals = self.goals.iter_mut();
-        if let Some(place) = goals.find(|goal| goal.name == kept.name) {
-            *place = kept;
+        if let Some(place) = goals.find(|saved| saved.name == goal.name) {
+            *place = goal;
             return Ok(());
         }
-        self.goals.push(kept).map_err(|_| SaveGoalError::Full)
+        self.goals.push(goal).map_err(|_| SaveGoalError::Full)
     }
 
     /// Deletes the goal of this name; false if there is none.
@@ -150,7 +150,7 @@ mod tests {
     use super::*;
     use crate::goal::Component;
 
-    fn kept(name: &str, weight: u8) -> NamedGoal<4> {
+    fn named(name: &str, weight: u8) -> NamedGoal<4> {
         let component = Component {
             weight,
             ..Component::ANY
@@ -164,7 +164,7 @@ mod tests {
     #[test]
     fn refusals_say_what_a_name_may_be() {
         let words = [SaveGoalError::Name, SaveGoalError::Full].map(|error| std::format!("{error}"));
-        assert!(words[0].contains("1 to 12 printable") && words[1].contains("as many"));
+        assert!(words[0].contains("1 to 12 printable") && words[1].contains("full"));
         assert_eq!(Name::from_bytes([0xff; 12]).as_str(), "", "no text");
     }
 
@@ -183,15 +183,15 @@ mod tests {
     fn a_name_has_one_goal_and_there_are_eight() {
         let mut goals = NamedGoals::new();
         for name in ["a", "b", "c", "d", "e", "f", "g", "h"] {
-            goals.save(kept(name, 1)).unwrap();
+            goals.save(named(name, 1)).unwrap();
         }
-        assert_eq!(goals.save(kept("i", 1)), Err(SaveGoalError::Full));
-        goals.save(kept("c", 2)).unwrap();
-        let c = kept("c", 2);
+        assert_eq!(goals.save(named("i", 1)), Err(SaveGoalError::Full));
+        goals.save(named("c", 2)).unwrap();
+        let c = named("c", 2);
         assert_eq!(goals.find(c.name), Some(&c.goal));
         assert!(goals.delete(c.name) && !goals.delete(c.name));
-        goals.save(kept("i", 3)).unwrap();
-        let names: std::vec::Vec<_> = goals.as_slice().iter().map(|kept| kept.name.0[0]).collect();
+        goals.save(named("i", 3)).unwrap();
+        let names: std::vec::Vec<_> = goals.as_slice().iter().map(|goal| goal.name.0[0]).collect();
         assert_eq!(names, *b"abdefghi");
     }
 }

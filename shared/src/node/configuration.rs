@@ -36,7 +36,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             config: &mut self.config,
             state: &mut self.state,
             goal: &mut self.goal,
-            kept: &mut self.goals,
+            goals: &mut self.goals,
         };
         contents.read(read, most)?;
         self.underway = None;
@@ -56,7 +56,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         value: i32,
     ) -> Result<(), ParameterError> {
         parameter.set(&mut self.config, value)?;
-        if parameter == Parameter::Believed {
+        if parameter == Parameter::Enabled {
             self.state.trust(self.config.enabled);
         }
         Ok(())

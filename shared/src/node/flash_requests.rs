@@ -7,21 +7,21 @@ use super::{FrameSink, Node};
 use crate::goal::{Name, NamedGoal};
 use crate::store::Contents;
 use crate::units::Millis;
-use crate::wire::message::{Flash, FlashError, FromMind, Refusal};
+use crate::wire::message::{DeviceMessage, FlashError, FlashOperation, Refusal};
 
 /// A request that waits for the flash; all zeros if there is none.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FlashRequest {
     /// Number of the frame that asked.
     seq: Option<u16>,
-    what: Flash,
+    operation: FlashOperation,
 }
 
 impl FlashRequest {
     /// No request.
     pub(super) const NONE: Self = Self {
         seq: None,
-        what: Flash::Save,
+        operation: FlashOperation::Save,
     };
 }
 
@@ -35,23 +35,23 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             config: &self.config,
             state: &self.state,
             goal: &self.goal,
-            kept: &self.goals,
+            goals: &self.goals,
         }
     }
 
     /// The request for the flash, until [`flash_done`](Self::flash_done). Frames and ticks wait
     /// meanwhile.
     #[must_use]
-    pub const fn flash_task(&self) -> Option<Flash> {
+    pub const fn flash_task(&self) -> Option<FlashOperation> {
         match self.flash.seq {
-            Some(_) => Some(self.flash.what),
+            Some(_) => Some(self.flash.operation),
             None => None,
         }
     }
 
     /// Tells the host that the node neither receives nor sends for at most `ms` milliseconds.
     pub fn announce_pause(&mut self, ms: u32, now: Millis, out: &mut impl FrameSink) {
-        self.send(FromMind::Busy { ms }, now, out);
+        self.send(DeviceMessage::Busy { ms }, now, out);
     }
 
     /// Answers the request for the flash. From now on a silent host stops the robot again.
@@ -73,17 +73,21 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     /// Stores a request for the flash.
-    pub(super) fn request_flash(&mut self, seq: u16, what: Flash) -> Result<(), Refusal> {
+    pub(super) fn request_flash(
+        &mut self,
+        seq: u16,
+        operation: FlashOperation,
+    ) -> Result<(), Refusal> {
         self.require_standing()?;
         let seq = Some(seq);
-        self.flash = FlashRequest { seq, what };
+        self.flash = FlashRequest { seq, operation };
         Ok(())
     }
 
     pub(super) fn save_goal(&mut self, name: Name) -> Result<(), Refusal> {
         let goal = self.goal;
         let saved = self.goals.save(NamedGoal { name, goal });
-        saved.map_err(|_| Refusal::GoalName)
+        saved.map_err(|_| Refusal::InvalidGoalName)
     }
 
     pub(super) fn delete_goal(&mut self, name: Name) -> Result<(), Refusal> {
@@ -96,10 +100,10 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     #[inline(never)]
     pub(super) fn send_goals(&mut self, now: Millis, out: &mut impl FrameSink) {
         let (name, goal) = (Name::NONE, self.goal);
-        self.send(FromMind::Goal { name, goal }, now, out);
+        self.send(DeviceMessage::Goal { name, goal }, now, out);
         for index in 0..self.goals.as_slice().len() {
             if let Some(&NamedGoal { name, goal }) = self.goals.as_slice().get(index) {
-                self.send(FromMind::Goal { name, goal }, now, out);
+                self.send(DeviceMessage::Goal { name, goal }, now, out);
             }
         }
     }

@@ -4,7 +4,9 @@ use super::{FrameSink, MOTION_TTL_MS, Node, RENEWAL_MS, Underway, add};
 use crate::controller::{Motion, Outputs};
 use crate::units::Millis;
 use crate::wire::frame::{Frame, Header};
-use crate::wire::message::{Counters, FromMind, ModeReport, MotionOrder, Notice, Refusal, Report};
+use crate::wire::message::{
+    Counters, DeviceMessage, LogEvent, ModeReport, MotionCommand, Refusal, Report,
+};
 
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     Node<SENSORS, NEURONS, SAMPLES>
@@ -23,35 +25,35 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             self.reply_cache.invalidate();
         }
         if let Some(verdict) = outputs.verdict {
-            self.note(verdict.into(), now, out);
+            self.log(verdict.into(), now, out);
         }
         if let Some(age_ms) = outputs.stale_ms {
             self.count_stale(age_ms, now, out);
         }
         if let Some(decision) = outputs.decision {
             self.stale_reported = false;
-            self.send(FromMind::Decision(decision), now, out);
+            self.send(DeviceMessage::Decision(decision), now, out);
         }
         if let Some(motion) = outputs.motion {
-            let order = self.motion_order(motion);
-            self.underway = Some(Underway { order, sent: at });
-            self.order(order, now, out);
+            let command = self.motion_command(motion);
+            self.underway = Some(Underway { command, sent: at });
+            self.send_motion(command, now, out);
         }
         if outputs.mode_changed {
             let mode = ModeReport::from(self.state.mode());
-            self.send(FromMind::Mode(mode), now, out);
+            self.send(DeviceMessage::Mode(mode), now, out);
         }
     }
 
-    /// The order for a motion: a shortened motion keeps its number and gets the next revision.
-    fn motion_order(&self, motion: Motion) -> MotionOrder {
+    /// The command for a motion: a shortened motion keeps its number and gets the next revision.
+    fn motion_command(&self, motion: Motion) -> MotionCommand {
         let revision = match self.underway {
-            Some(underway) if underway.order.id == motion.id => {
-                underway.order.revision.wrapping_add(1)
+            Some(underway) if underway.command.id == motion.id => {
+                underway.command.revision.wrapping_add(1)
             }
             _ => 0,
         };
-        MotionOrder {
+        MotionCommand {
             id: motion.id,
             revision,
             dx_mm: motion.displacement.dx_mm,
@@ -65,36 +67,47 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     fn count_stale(&mut self, age_ms: u32, now: Millis, out: &mut impl FrameSink) {
         add(&mut self.counters.stale_echoes);
         if !core::mem::replace(&mut self.stale_reported, true) {
-            self.note(Notice::StaleEcho { age_ms }, now, out);
+            self.log(LogEvent::StaleEcho { age_ms }, now, out);
         }
     }
 
     // The next four are apart, so that their messages add nothing to the controller's stack.
     #[inline(never)]
-    fn order(&mut self, order: MotionOrder, now: Millis, out: &mut impl FrameSink) {
-        self.send(FromMind::Motion(order), now, out);
+    fn send_motion(&mut self, command: MotionCommand, now: Millis, out: &mut impl FrameSink) {
+        self.send(DeviceMessage::Motion(command), now, out);
     }
 
     #[inline(never)]
-    pub(super) fn refuse(&mut self, seq: u16, why: Refusal, now: Millis, out: &mut impl FrameSink) {
+    pub(super) fn refuse(
+        &mut self,
+        seq: u16,
+        reason: Refusal,
+        now: Millis,
+        out: &mut impl FrameSink,
+    ) {
         add(&mut self.counters.refused);
-        self.send(FromMind::Refusal { seq, why }, now, out);
+        self.send(DeviceMessage::Refusal { seq, reason }, now, out);
     }
 
     #[inline(never)]
     pub(super) fn done(&mut self, seq: u16, now: Millis, out: &mut impl FrameSink) {
-        self.send(FromMind::Done { seq }, now, out);
+        self.send(DeviceMessage::Done { seq }, now, out);
     }
 
     #[inline(never)]
-    pub(super) fn note(&mut self, notice: Notice, now: Millis, out: &mut impl FrameSink) {
-        self.send(FromMind::Log(notice), now, out);
+    pub(super) fn log(&mut self, event: LogEvent, now: Millis, out: &mut impl FrameSink) {
+        self.send(DeviceMessage::Log(event), now, out);
     }
 
     /// Sends one message in a frame of its own and adds it to the cached answer.
     // One copy in the program.
     #[inline(never)]
-    pub(super) fn send(&mut self, said: FromMind<SENSORS>, now: Millis, out: &mut impl FrameSink) {
+    pub(super) fn send(
+        &mut self,
+        message: DeviceMessage<SENSORS>,
+        now: Millis,
+        out: &mut impl FrameSink,
+    ) {
         self.seq = self.seq.wrapping_add(1);
         let header = Header {
             session: self.link.session(),
@@ -102,7 +115,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         };
         let report = Report {
             device_ms: self.link.time(now).as_ms(),
-            said,
+            message,
         };
         let mut frame = Frame::EMPTY;
         let sent = frame.fill(header, &report).is_ok() && {
@@ -134,7 +147,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 sent: time,
                 ..underway
             });
-            self.order(underway.order, now, out);
+            self.send_motion(underway.command, now, out);
         }
     }
 }

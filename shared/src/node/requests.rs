@@ -7,7 +7,8 @@ use crate::memory;
 use crate::parameters::Parameter;
 use crate::units::{Bearing, Displacement, Millis, Range};
 use crate::wire::message::{
-    Clock, FromMind, GoalBy, Heard, ModeReport, Order, Refusal, Source, ToMind,
+    Clock, DeviceMessage, GoalSpec, HostMessage, ModeReport, Refusal, RobotCommand, Source,
+    TimedEcho,
 };
 
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
@@ -17,11 +18,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     pub(super) fn request(
         &mut self,
         seq: u16,
-        message: &ToMind<SENSORS>,
+        message: &HostMessage<SENSORS>,
         now: Millis,
         out: &mut impl FrameSink,
     ) {
-        let result = if let ToMind::Flash(what) = *message {
+        let result = if let HostMessage::Flash(what) = *message {
             self.link.heard_timeless(now);
             let requested = self.request_flash(seq, what);
             if requested.is_ok() {
@@ -35,7 +36,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         if let Err(why) = result {
             self.refuse(seq, why, now, out);
         }
-        if !matches!(message, ToMind::Alive { .. }) {
+        if !matches!(message, HostMessage::Alive { .. }) {
             self.done(seq, now, out);
             self.reply_cache.finish();
         }
@@ -43,19 +44,19 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 
     fn carry_out(
         &mut self,
-        message: &ToMind<SENSORS>,
+        message: &HostMessage<SENSORS>,
         now: Millis,
         out: &mut impl FrameSink,
     ) -> Result<(), Refusal> {
         match *message {
-            ToMind::Alive { at_ms } => {
+            HostMessage::Alive { at_ms } => {
                 self.hear_of(at_ms, now, out);
             }
-            ToMind::Scan { at_ms, ref echoes } => {
+            HostMessage::Scan { at_ms, ref echoes } => {
                 let at = self.hear_of(at_ms, now, out);
                 self.scan(at, echoes, now, out);
             }
-            ToMind::Odometry {
+            HostMessage::Odometry {
                 at_ms,
                 motion,
                 dx_mm,
@@ -72,17 +73,17 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 };
                 self.dispatch(at, event, now, out);
             }
-            ToMind::Command {
+            HostMessage::Command {
                 at_ms,
                 ttl_ms,
-                ref order,
+                ref command,
             } => {
                 let at = self.hear_of(at_ms, now, out);
-                return self.command(at_ms, at, ttl_ms, order, now, out);
+                return self.command(at_ms, at, ttl_ms, command, now, out);
             }
-            ref question => {
+            ref request => {
                 self.link.heard_timeless(now);
-                return self.answer(question, now, out);
+                return self.answer(request, now, out);
             }
         }
         Ok(())
@@ -93,40 +94,40 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     #[inline(never)]
     fn answer(
         &mut self,
-        question: &ToMind<SENSORS>,
+        request: &HostMessage<SENSORS>,
         now: Millis,
         out: &mut impl FrameSink,
     ) -> Result<(), Refusal> {
-        match *question {
-            ToMind::Read { part, offset } => self.read_part(part, offset, now, out),
-            ToMind::Write {
+        match *request {
+            HostMessage::Read { part, offset } => self.read_part(part, offset, now, out),
+            HostMessage::Write {
                 part,
                 offset,
                 ref bytes,
                 last,
             } => return self.write_part(part, offset, bytes, last),
-            ToMind::Counters => {
+            HostMessage::Counters => {
                 self.counters.clock_drift_ms = self.link.drift_ms();
-                self.send(FromMind::Counters(self.counters), now, out);
+                self.send(DeviceMessage::Counters(self.counters), now, out);
             }
-            ToMind::Parameter { parameter, value } => {
+            HostMessage::Parameter { parameter, value } => {
                 return self.parameter(parameter, value, now, out);
             }
-            ToMind::Mode => {
+            HostMessage::Mode => {
                 let mode = ModeReport::from(self.state.mode());
-                self.send(FromMind::Mode(mode), now, out);
+                self.send(DeviceMessage::Mode(mode), now, out);
             }
-            ToMind::Source(source) => return self.set_source(source),
-            ToMind::Keep { name } => return self.save_goal(name),
-            ToMind::Drop { name } => return self.delete_goal(name),
-            ToMind::Goals => self.send_goals(now, out),
+            HostMessage::Source(source) => return self.set_source(source),
+            HostMessage::SaveGoal { name } => return self.save_goal(name),
+            HostMessage::DeleteGoal { name } => return self.delete_goal(name),
+            HostMessage::ListGoals => self.send_goals(now, out),
             // `request` has handled these.
-            ToMind::Hello(_)
-            | ToMind::Alive { .. }
-            | ToMind::Scan { .. }
-            | ToMind::Odometry { .. }
-            | ToMind::Command { .. }
-            | ToMind::Flash(_) => {}
+            HostMessage::Hello(_)
+            | HostMessage::Alive { .. }
+            | HostMessage::Scan { .. }
+            | HostMessage::Odometry { .. }
+            | HostMessage::Command { .. }
+            | HostMessage::Flash(_) => {}
         }
         Ok(())
     }
@@ -141,7 +142,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.link.heard(at, now)
     }
 
-    fn scan(&mut self, at: Millis, echoes: &[Heard], now: Millis, out: &mut impl FrameSink) {
+    fn scan(&mut self, at: Millis, echoes: &[TimedEcho], now: Millis, out: &mut impl FrameSink) {
         if self.source != Source::Link {
             return;
         }
@@ -160,57 +161,60 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         at_ms: u32,
         at: Millis,
         ttl_ms: u16,
-        order: &Order<SENSORS>,
+        command: &RobotCommand<SENSORS>,
         now: Millis,
         out: &mut impl FrameSink,
     ) -> Result<(), Refusal> {
         let age_ms = self.link.age_ms(Millis::from_ms(at_ms), now);
-        if age_ms > u32::from(ttl_ms) && *order != Order::Stop {
+        if age_ms > u32::from(ttl_ms) && *command != RobotCommand::Stop {
             super::add(&mut self.counters.expired);
             return Err(Refusal::Expired { age_ms });
         }
-        let Some(command) = self.command_of(order)? else {
+        let Some(command) = self.command_of(command)? else {
             return Ok(());
         };
         let refused = self.dispatch(at, Event::Command(command), now, out);
         refused.map_or(Ok(()), |why| Err(Refusal::Command(why)))
     }
 
-    /// The controller's command for an order; `None` for an order to the node alone.
+    /// The controller's command; `None` if the node alone carries it out.
     // Apart, so that it adds nothing to the stack of every request.
     #[inline(never)]
-    fn command_of(&mut self, order: &Order<SENSORS>) -> Result<Option<Command<SENSORS>>, Refusal> {
-        Ok(Some(match *order {
-            Order::Goal(ref by) => {
+    fn command_of(
+        &mut self,
+        command: &RobotCommand<SENSORS>,
+    ) -> Result<Option<Command<SENSORS>>, Refusal> {
+        Ok(Some(match *command {
+            RobotCommand::Goal(ref by) => {
                 self.goal = self.goal_of(by)?;
                 if !matches!(self.state.mode(), Mode::Seek { .. }) {
                     return Ok(None);
                 }
                 Command::Seek(self.goal)
             }
-            Order::Seek => Command::Seek(self.goal),
-            Order::Explore { moves, seed } => Command::Explore { moves, seed },
-            Order::Learn => Command::Learn,
+            RobotCommand::Seek => Command::Seek(self.goal),
+            RobotCommand::Explore { moves, seed } => Command::Explore { moves, seed },
+            RobotCommand::Learn => Command::Learn,
             // `message` has stopped the robot already.
-            Order::Stop => return Ok(None),
-            Order::Resume => Command::Resume,
-            Order::Forget => return self.forget().map(|()| None),
+            RobotCommand::Stop => return Ok(None),
+            RobotCommand::Resume => Command::Resume,
+            RobotCommand::Forget => return self.forget().map(|()| None),
         }))
     }
 
-    fn goal_of(&self, by: &GoalBy<SENSORS>) -> Result<Goal<SENSORS>, Refusal> {
+    fn goal_of(&self, by: &GoalSpec<SENSORS>) -> Result<Goal<SENSORS>, Refusal> {
         match *by {
-            GoalBy::Avoid => Ok(Goal::avoiding(&self.config)),
-            GoalBy::Components(goal) => Ok(goal),
-            GoalBy::Kept(name) => self.goals.find(name).copied().ok_or(Refusal::NoSuchGoal),
-            GoalBy::Perceived => {
+            GoalSpec::Avoid => Ok(Goal::avoiding(&self.config)),
+            GoalSpec::Components(goal) => Ok(goal),
+            GoalSpec::Saved(name) => self.goals.find(name).copied().ok_or(Refusal::NoSuchGoal),
+            GoalSpec::Perceived => {
                 let scan = self.state.scan();
                 if !scan.has_heard_all(self.state.enabled(&self.config)) {
-                    return Err(Refusal::NothingPerceived);
+                    return Err(Refusal::NoSituation);
                 }
                 Ok(Goal::perceived(&self.config.encoding.situation(scan)))
             }
-            GoalBy::Situation(bytes) => {
+            GoalSpec::Situation(bytes) => {
                 let (situation, believed) = memory::from_bytes(&bytes);
                 let mut goal = Goal::perceived(&situation);
                 for (sensor, component) in goal.components.iter_mut().enumerate() {
@@ -252,7 +256,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             self.set_parameter(parameter, value)
                 .map_err(Refusal::Parameter)?;
         }
-        let answer = FromMind::Parameter {
+        let answer = DeviceMessage::Parameter {
             parameter,
             value: parameter.get(&self.config),
             spec: parameter.spec(),

@@ -6,7 +6,7 @@ use crate::link::FrameVerdict;
 use crate::units::Millis;
 use crate::wire::frame::{self, FrameError, Header};
 use crate::wire::message::{
-    Dimensions, FromMind, HostHello, MindHello, Order, Refusal, Source, ToMind,
+    DeviceHello, DeviceMessage, Dimensions, HostHello, HostMessage, Refusal, RobotCommand, Source,
 };
 use crate::wire::{PROTOCOL, SCHEMA};
 
@@ -16,10 +16,10 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     /// Takes a received frame, without its zero, at `now` by the device's clock.
     pub fn frame(&mut self, now: Millis, frame: &[u8], out: &mut impl FrameSink) {
         let counters = &mut self.counters;
-        match frame::unpack::<ToMind<SENSORS>>(frame) {
+        match frame::unpack::<HostMessage<SENSORS>>(frame) {
             Ok((header, ref message)) => self.message(header, message, now, out),
-            Err(FrameError::Shape | FrameError::TooLong) => add(&mut counters.misshapen),
-            Err(FrameError::Crc) => add(&mut counters.damaged),
+            Err(FrameError::Shape | FrameError::TooLong) => add(&mut counters.malformed),
+            Err(FrameError::Crc) => add(&mut counters.crc_errors),
             Err(FrameError::Content { .. }) => add(&mut counters.unknown),
         }
     }
@@ -27,11 +27,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     fn message(
         &mut self,
         header: Header,
-        message: &ToMind<SENSORS>,
+        message: &HostMessage<SENSORS>,
         now: Millis,
         out: &mut impl FrameSink,
     ) {
-        if let ToMind::Hello(hello) = *message {
+        if let HostMessage::Hello(hello) = *message {
             return self.open(header, hello, now, out);
         }
         let verdict = self.link.accept(header);
@@ -53,14 +53,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             FrameVerdict::Accept => self.request(seq, message, now, out),
             FrameVerdict::Replayed { last } => {
                 add(&mut self.counters.replayed);
-                if last && !matches!(message, ToMind::Alive { .. }) {
+                if last && !matches!(message, HostMessage::Alive { .. }) {
                     self.resend(seq, now, out);
                 } else if is_stop {
                     self.done(seq, now, out);
                 }
             }
             FrameVerdict::NoSession | FrameVerdict::Stranger => {
-                add(&mut self.counters.strangers);
+                add(&mut self.counters.wrong_session);
                 if is_stop {
                     self.done(seq, now, out);
                 } else if verdict == FrameVerdict::NoSession {
@@ -113,7 +113,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 
     /// Sends a hello: the second half of [`start`](Self::start).
     pub fn hello(&mut self, now: Millis, out: &mut impl FrameSink) {
-        let hello = MindHello {
+        let hello = DeviceHello {
             dimensions: Self::dimensions(),
             samples: SAMPLES as u16,
             build: self.identity.build,
@@ -123,15 +123,15 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             maps_crc: self.maps_crc(),
             memory_crc: self.memory_crc(),
         };
-        self.send(FromMind::Hello(hello), now, out);
+        self.send(DeviceMessage::Hello(hello), now, out);
     }
 }
 
-const fn is_stop<const SENSORS: usize>(message: &ToMind<SENSORS>) -> bool {
+const fn is_stop<const SENSORS: usize>(message: &HostMessage<SENSORS>) -> bool {
     matches!(
         message,
-        ToMind::Command {
-            order: Order::Stop,
+        HostMessage::Command {
+            command: RobotCommand::Stop,
             ..
         }
     )

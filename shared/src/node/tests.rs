@@ -9,8 +9,8 @@ use crate::som::kernels::{Group, Kernels};
 use crate::units::{Displacement, Range};
 use crate::wire::frame::{self, Frame};
 use crate::wire::message::{
-    Clock, Flash, FlashError, FromMind, GoalBy, Heard, HostHello, ModeReport, Notice, Order, Part,
-    Refusal, Report, Source, ToMind,
+    Clock, DeviceMessage, FlashError, FlashOperation, GoalSpec, HostHello, HostMessage, LogEvent,
+    ModeReport, Refusal, Report, RobotCommand, Source, TimedEcho, TransferPart,
 };
 use std::vec::Vec;
 
@@ -73,22 +73,22 @@ impl Rig {
         );
         assert_eq!(said.0.len(), 1);
         let dimensions = Small::dimensions();
-        let said = rig.send(ToMind::Hello(HostHello {
+        let said = rig.send(HostMessage::Hello(HostHello {
             dimensions,
             clock,
             open_space: false,
         }));
-        assert!(matches!(said[..], [FromMind::Hello(_)]));
+        assert!(matches!(said[..], [DeviceMessage::Hello(_)]));
         rig
     }
 
-    fn raw(&mut self, bytes: &[u8]) -> Vec<FromMind<16>> {
+    fn raw(&mut self, bytes: &[u8]) -> Vec<DeviceMessage<16>> {
         let mut said = Said::default();
         self.node.frame(Millis::from_ms(self.now), bytes, &mut said);
         read(&said)
     }
 
-    fn packed(&mut self, message: &ToMind<16>) -> Vec<u8> {
+    fn packed(&mut self, message: &HostMessage<16>) -> Vec<u8> {
         self.seq = self.seq.wrapping_add(1);
         let header = Header {
             session: SESSION,
@@ -98,7 +98,7 @@ impl Rig {
         frame.as_bytes().split_last().unwrap().1.to_vec()
     }
 
-    fn send(&mut self, message: ToMind<16>) -> Vec<FromMind<16>> {
+    fn send(&mut self, message: HostMessage<16>) -> Vec<DeviceMessage<16>> {
         let bytes = self.packed(&message);
         self.raw(&bytes)
     }
@@ -107,42 +107,42 @@ impl Rig {
         self.now + self.ahead
     }
 
-    fn order(&mut self, order: Order<16>) -> Vec<FromMind<16>> {
+    fn command(&mut self, command: RobotCommand<16>) -> Vec<DeviceMessage<16>> {
         let at_ms = self.at_ms();
-        self.send(ToMind::Command {
+        self.send(HostMessage::Command {
             at_ms,
             ttl_ms: 1_000,
-            order,
+            command,
         })
     }
 
-    fn tick(&mut self) -> (bool, Vec<FromMind<16>>) {
+    fn tick(&mut self) -> (bool, Vec<DeviceMessage<16>>) {
         let mut said = Said::default();
         let more = self.node.tick(Millis::from_ms(self.now), &mut said);
         (more, read(&said))
     }
 
     /// A whole ring that hears `range_mm` everywhere, plus 10 mm per place.
-    fn ring(&mut self, range_mm: u16) -> Vec<FromMind<16>> {
-        let echoes = (0..16_u8).map(|sensor| Heard {
+    fn ring(&mut self, range_mm: u16) -> Vec<DeviceMessage<16>> {
+        let echoes = (0..16_u8).map(|sensor| TimedEcho {
             sensor,
             range_mm: Some(range_mm + 10 * u16::from(sensor)),
             age_ms: 10 * (15 - u16::from(sensor)),
         });
         let at_ms = self.at_ms();
-        self.send(ToMind::Scan {
+        self.send(HostMessage::Scan {
             at_ms,
             echoes: echoes.collect(),
         })
     }
 
-    fn carried_out(&mut self, order: MotionOrder) -> Vec<FromMind<16>> {
+    fn carried_out(&mut self, command: MotionCommand) -> Vec<DeviceMessage<16>> {
         let at_ms = self.at_ms();
-        self.send(ToMind::Odometry {
+        self.send(HostMessage::Odometry {
             at_ms,
-            motion: order.id,
-            dx_mm: order.dx_mm,
-            dy_mm: order.dy_mm,
+            motion: command.id,
+            dx_mm: command.dx_mm,
+            dy_mm: command.dy_mm,
             turned: 0,
             progress: Progress::Ended,
         })
@@ -155,19 +155,19 @@ impl Rig {
             self.now += 200;
             let said = self.ring(600 + 100 * (round as u16 % 7));
             decisions.extend(said.iter().find_map(|said| match said {
-                FromMind::Decision(decision) => Some(*decision),
+                DeviceMessage::Decision(decision) => Some(*decision),
                 _ => None,
             }));
-            let Some(order) = motion(&said) else { break };
+            let Some(command) = motion(&said) else { break };
             self.now += 150;
-            self.carried_out(order);
+            self.carried_out(command);
         }
         decisions
     }
 
     /// Sets the robot moving towards its goal.
     fn move_on(&mut self) {
-        self.order(Order::Seek);
+        self.command(RobotCommand::Seek);
         self.now += 200;
         assert!(motion(&self.ring(900)).is_some());
         assert!(self.node.state.is_moving());
@@ -176,47 +176,47 @@ impl Rig {
     fn ready(clock: Clock) -> Self {
         let mut rig = Self::new(clock);
         let (moves, seed) = (MOVES, 9);
-        assert!(refusal(&rig.order(Order::Explore { moves, seed })).is_none());
+        assert!(refusal(&rig.command(RobotCommand::Explore { moves, seed })).is_none());
         assert_eq!(rig.rounds(100).len(), usize::from(MOVES));
-        assert!(refusal(&rig.order(Order::Learn)).is_none());
+        assert!(refusal(&rig.command(RobotCommand::Learn)).is_none());
         let mut ticks = 0..10_000;
         assert!(ticks.any(|_| !rig.tick().0), "it never ends");
         rig
     }
 }
 
-fn read(said: &Said) -> Vec<FromMind<16>> {
+fn read(said: &Said) -> Vec<DeviceMessage<16>> {
     let one = |bytes: &Vec<u8>| {
         let (_, coded) = bytes.split_last().unwrap();
         let (_, report) = frame::unpack::<Report<16>>(coded).unwrap();
-        report.said
+        report.message
     };
     said.0.iter().map(one).collect()
 }
 
-fn refusal(said: &[FromMind<16>]) -> Option<Refusal> {
+fn refusal(said: &[DeviceMessage<16>]) -> Option<Refusal> {
     said.iter().find_map(|said| match said {
-        FromMind::Refusal { why, .. } => Some(*why),
+        DeviceMessage::Refusal { reason, .. } => Some(*reason),
         _ => None,
     })
 }
 
-fn motion(said: &[FromMind<16>]) -> Option<MotionOrder> {
+fn motion(said: &[DeviceMessage<16>]) -> Option<MotionCommand> {
     said.iter().find_map(|said| match said {
-        FromMind::Motion(order) => Some(*order),
+        DeviceMessage::Motion(command) => Some(*command),
         _ => None,
     })
 }
 
-fn is_stopped(said: &[FromMind<16>], why: StopReason) -> bool {
-    said.contains(&FromMind::Mode(ModeReport::Stopped(why)))
+fn is_stopped(said: &[DeviceMessage<16>], why: StopReason) -> bool {
+    said.contains(&DeviceMessage::Mode(ModeReport::Stopped(why)))
 }
 
 #[test]
 fn a_mind_behind_the_link_is_the_mind() {
     let mut rig = Rig::ready(Clock::Host);
-    rig.order(Order::Goal(GoalBy::Avoid));
-    rig.order(Order::Seek);
+    rig.command(RobotCommand::Goal(GoalSpec::Avoid));
+    rig.command(RobotCommand::Seek);
     let most = if cfg!(miri) { 5 } else { 50 };
     let decisions = rig.rounds(most);
     assert_eq!(decisions.len(), most);
@@ -239,11 +239,11 @@ fn a_mind_behind_the_link_is_the_mind() {
                 all.extend(out.decision);
                 motion = motion.or(out.motion);
             }
-            let Some(order) = motion else { break };
+            let Some(command) = motion else { break };
             *now += 150;
-            let moved = order.displacement;
+            let moved = command.displacement;
             let odometry = Event::Odometry {
-                motion: order.id,
+                motion: command.id,
                 moved,
                 turned: crate::units::Bearing::ZERO,
                 progress: Progress::Ended,
@@ -269,20 +269,20 @@ fn a_mind_behind_the_link_is_the_mind() {
 #[test]
 fn a_silent_host_stops_the_robot_until_it_resumes() {
     let mut rig = Rig::ready(Clock::Device);
-    rig.order(Order::Seek);
+    rig.command(RobotCommand::Seek);
     rig.now += 200;
-    let order = motion(&rig.ring(900)).unwrap();
-    assert_ne!((order.dx_mm, order.dy_mm), (0, 0));
+    let command = motion(&rig.ring(900)).unwrap();
+    assert_ne!((command.dx_mm, command.dy_mm), (0, 0));
     let since = rig.now;
     let mut renewals = 0;
     let lost = loop {
         rig.now += 10;
         assert!(rig.now - since < 2_000, "it never stops");
         let (_, said) = rig.tick();
-        renewals += usize::from(motion(&said) == Some(order));
+        renewals += usize::from(motion(&said) == Some(command));
         if is_stopped(&said, StopReason::LinkLost) {
             let stop = motion(&said).unwrap();
-            assert!((stop.dx_mm, stop.dy_mm) == (0, 0) && stop.id != order.id);
+            assert!((stop.dx_mm, stop.dy_mm) == (0, 0) && stop.id != command.id);
             break rig.now - since;
         }
     };
@@ -291,11 +291,11 @@ fn a_silent_host_stops_the_robot_until_it_resumes() {
     rig.now += 5_000;
     assert!(rig.tick().1.is_empty());
     assert!(motion(&rig.ring(900)).is_none(), "it stays stopped");
-    let said = rig.order(Order::Resume);
-    assert!(said.contains(&FromMind::Mode(ModeReport::Seek)));
+    let said = rig.command(RobotCommand::Resume);
+    assert!(said.contains(&DeviceMessage::Mode(ModeReport::Seek)));
     rig.now += 200;
     assert!(motion(&rig.ring(900)).is_some());
-    let again = refusal(&rig.order(Order::Resume));
+    let again = refusal(&rig.command(RobotCommand::Resume));
     assert_eq!(
         again,
         Some(Refusal::Command(CommandRefusal::NothingToResume))
@@ -305,14 +305,14 @@ fn a_silent_host_stops_the_robot_until_it_resumes() {
 #[test]
 fn by_the_hosts_clock_only_its_own_silence_counts() {
     let mut rig = Rig::ready(Clock::Host);
-    rig.order(Order::Seek);
+    rig.command(RobotCommand::Seek);
     rig.now += 200;
     assert!(motion(&rig.ring(900)).is_some());
     // The device's clock runs on; the host is just slow.
     let host = rig.at_ms();
     rig.now += 100_000;
     assert!(rig.tick().1.is_empty());
-    let mut alive = |at_ms| rig.send(ToMind::Alive { at_ms });
+    let mut alive = |at_ms| rig.send(HostMessage::Alive { at_ms });
     assert!(alive(host + 150).is_empty());
     assert!(motion(&alive(host + 300)).is_some(), "renewed");
     assert!(is_stopped(&alive(host + 601), StopReason::LinkLost));
@@ -321,17 +321,17 @@ fn by_the_hosts_clock_only_its_own_silence_counts() {
 #[test]
 fn an_incomplete_ring_stops_the_robot() {
     let mut rig = Rig::ready(Clock::Device);
-    rig.order(Order::Seek);
+    rig.command(RobotCommand::Seek);
     let began = rig.now;
     let period = u32::from(rig.node.config().robot.ring_period_ms);
     let stopped = loop {
         rig.now += 10;
         assert!(rig.now - began < 9_000, "it never stops");
         let at_ms = rig.at_ms();
-        rig.send(ToMind::Scan {
+        rig.send(HostMessage::Scan {
             at_ms,
             echoes: [3, 4]
-                .map(|sensor| Heard {
+                .map(|sensor| TimedEcho {
                     sensor,
                     range_mm: None,
                     age_ms: 0,
@@ -353,10 +353,10 @@ fn old_repeated_strange_and_late_frames_do_nothing() {
     let mut rig = Rig::ready(Clock::Device);
     let before = rig.node.clone();
     let at_ms = rig.at_ms();
-    let seek = ToMind::Command {
+    let seek = HostMessage::Command {
         at_ms,
         ttl_ms: 100,
-        order: Order::Seek,
+        command: RobotCommand::Seek,
     };
     let late = rig.packed(&seek);
     rig.now += 101;
@@ -364,7 +364,7 @@ fn old_repeated_strange_and_late_frames_do_nothing() {
     assert_eq!(refusal(&said), Some(Refusal::Expired { age_ms: 101 }));
     assert_eq!(rig.raw(&late), said);
     rig.now += 10;
-    let alive = rig.packed(&ToMind::Counters);
+    let alive = rig.packed(&HostMessage::Counters);
     rig.raw(&alive);
     assert!(rig.raw(&late).is_empty());
     let header = Header {
@@ -383,15 +383,15 @@ fn old_repeated_strange_and_late_frames_do_nothing() {
         [
             counted(|c| c.accepted),
             counted(|c| c.replayed),
-            counted(|c| c.strangers)
+            counted(|c| c.wrong_session)
         ],
         [2, 2, 1]
     );
     assert_eq!(
         [
             counted(|c| c.expired),
-            counted(|c| c.damaged),
-            counted(|c| c.misshapen)
+            counted(|c| c.crc_errors),
+            counted(|c| c.malformed)
         ],
         [1, 1, 1]
     );
@@ -402,7 +402,7 @@ fn another_protocol_is_refused_and_the_session_stays() {
     let mut rig = Rig::new(Clock::Device);
     let mut dimensions = Small::dimensions();
     dimensions.protocol += 1;
-    let hello: ToMind<16> = ToMind::Hello(HostHello {
+    let hello: HostMessage<16> = HostMessage::Hello(HostHello {
         dimensions,
         clock: Clock::Device,
         open_space: false,
@@ -417,11 +417,11 @@ fn another_protocol_is_refused_and_the_session_stays() {
         refusal(&said),
         Some(Refusal::Incompatible(Small::dimensions()))
     );
-    assert!(rig.send(ToMind::Counters).len() == 2);
+    assert!(rig.send(HostMessage::Counters).len() == 2);
     // A node that has just started has no session at all.
     let mut fresh = Small::new();
     let mut said = Said::default();
-    let bytes = rig.packed(&ToMind::Counters);
+    let bytes = rig.packed(&HostMessage::Counters);
     fresh.frame(Millis::from_ms(0), &bytes, &mut said);
     assert_eq!(refusal(&read(&said)), Some(Refusal::NoSession));
 }
@@ -429,11 +429,11 @@ fn another_protocol_is_refused_and_the_session_stays() {
 #[test]
 fn a_new_host_stops_what_the_old_one_started() {
     let mut rig = Rig::ready(Clock::Device);
-    rig.order(Order::Seek);
+    rig.command(RobotCommand::Seek);
     rig.now += 200;
     assert!(motion(&rig.ring(900)).is_some());
     let dimensions = Small::dimensions();
-    let hello: ToMind<16> = ToMind::Hello(HostHello {
+    let hello: HostMessage<16> = HostMessage::Hello(HostHello {
         dimensions,
         clock: Clock::Host,
         open_space: false,
@@ -445,7 +445,7 @@ fn a_new_host_stops_what_the_old_one_started() {
     let frame = Frame::pack(header, &hello).unwrap();
     let said = rig.raw(frame.as_bytes().split_last().unwrap().1);
     assert!(is_stopped(&said, StopReason::LinkLost));
-    assert!(matches!(said.last(), Some(FromMind::Hello(_))));
+    assert!(matches!(said.last(), Some(DeviceMessage::Hello(_))));
 }
 
 #[test]
@@ -454,22 +454,22 @@ fn what_is_known_can_be_carried_to_another_node() {
     let mut other = Rig::new(Clock::Host);
     assert!(rig.node.maps_crc() != other.node.maps_crc());
     for part in [
-        Part::Config,
-        Part::Situations,
-        Part::Changes,
-        Part::Actions,
-        Part::Memory,
+        TransferPart::Config,
+        TransferPart::Situations,
+        TransferPart::Changes,
+        TransferPart::Actions,
+        TransferPart::Memory,
     ] {
         let mut offset = 0;
         loop {
-            let said = rig.send(ToMind::Read { part, offset });
-            let Some(FromMind::Piece { total, bytes, .. }) = said.first() else {
+            let said = rig.send(HostMessage::Read { part, offset });
+            let Some(DeviceMessage::Chunk { total, bytes, .. }) = said.first() else {
                 panic!("{said:?}");
             };
             let end = offset + bytes.len() as u16;
             assert!(end > offset, "{part:?} {offset}");
             let last = end == *total;
-            let write = ToMind::Write {
+            let write = HostMessage::Write {
                 part,
                 offset,
                 bytes: bytes.clone(),
@@ -486,19 +486,19 @@ fn what_is_known_can_be_carried_to_another_node() {
     assert_eq!(sums(&rig.node), sums(&other.node));
     assert!(rig.node.state().situations() == other.node.state().situations());
     assert_eq!(
-        refusal(&other.order(Order::Seek)),
+        refusal(&other.command(RobotCommand::Seek)),
         None,
         "the maps count as learned"
     );
-    let busy = ToMind::Write {
-        part: Part::Memory,
+    let busy = HostMessage::Write {
+        part: TransferPart::Memory,
         offset: 0,
         bytes: heapless::Vec::new(),
         last: true,
     };
     assert_eq!(refusal(&other.send(busy)), Some(Refusal::Moving));
-    other.order(Order::Stop);
-    assert_eq!(refusal(&other.order(Order::Forget)), None);
+    other.command(RobotCommand::Stop);
+    assert_eq!(refusal(&other.command(RobotCommand::Forget)), None);
     let fresh = Rig::new(Clock::Host).node;
     assert_eq!(sums(&other.node), sums(&fresh));
 }
@@ -508,12 +508,15 @@ fn goals_can_be_what_is_perceived_or_any_situation() {
     let mut rig = Rig::ready(Clock::Host);
     rig.now += 100;
     rig.ring(1_000);
-    assert_eq!(refusal(&rig.order(Order::Goal(GoalBy::Perceived))), None);
+    assert_eq!(
+        refusal(&rig.command(RobotCommand::Goal(GoalSpec::Perceived))),
+        None
+    );
     let scan = rig.node.state().scan();
     let here = rig.node.config().encoding.situation(scan);
     assert_eq!(rig.node.goal, Goal::perceived(&here));
     let bytes = core::array::from_fn(|i| if i < 8 { 255 } else { 127 });
-    rig.order(Order::Goal(GoalBy::Situation(bytes)));
+    rig.command(RobotCommand::Goal(GoalSpec::Situation(bytes)));
     let [any, wanted] = [rig.node.goal.components[0], rig.node.goal.components[8]];
     assert_eq!(any, Component::ANY);
     assert_eq!(
@@ -521,27 +524,27 @@ fn goals_can_be_what_is_perceived_or_any_situation() {
         (wanted.high, 0.5)
     );
     let mut fresh = Rig::new(Clock::Host);
-    let unheard = refusal(&fresh.order(Order::Goal(GoalBy::Perceived)));
-    assert_eq!(unheard, Some(Refusal::NothingPerceived));
+    let unheard = refusal(&fresh.command(RobotCommand::Goal(GoalSpec::Perceived)));
+    assert_eq!(unheard, Some(Refusal::NoSituation));
 }
 
 #[test]
 fn a_renewed_motion_is_the_same_and_a_shortened_one_a_revision() {
     let mut rig = Rig::ready(Clock::Device);
-    rig.order(Order::Seek);
+    rig.command(RobotCommand::Seek);
     rig.now += 200;
-    let order = motion(&rig.ring(1_500)).unwrap();
-    assert_eq!((order.revision, order.ttl_ms), (0, MOTION_TTL_MS));
+    let command = motion(&rig.ring(1_500)).unwrap();
+    assert_eq!((command.revision, command.ttl_ms), (0, MOTION_TTL_MS));
     rig.now += RENEWAL_MS - 1;
     assert_eq!(rig.tick().1, []);
     rig.now += 1;
-    assert_eq!(rig.tick().1, [FromMind::Motion(order)]);
+    assert_eq!(rig.tick().1, [DeviceMessage::Motion(command)]);
     rig.now += 100;
     // Something is suddenly very near all around.
     let shortened = motion(&rig.ring(60)).unwrap();
-    assert_eq!((shortened.id, shortened.revision), (order.id, 1));
-    let length = |order: MotionOrder| order.motion().displacement.length_mm();
-    assert!(length(shortened) < length(order));
+    assert_eq!((shortened.id, shortened.revision), (command.id, 1));
+    let length = |command: MotionCommand| command.motion().displacement.length_mm();
+    assert!(length(shortened) < length(command));
     assert_eq!(shortened.motion().displacement, Displacement::ZERO);
 }
 
@@ -554,7 +557,7 @@ fn a_full_way_out_is_counted() {
         }
     }
     let mut rig = Rig::new(Clock::Device);
-    let bytes = rig.packed(&ToMind::Counters);
+    let bytes = rig.packed(&HostMessage::Counters);
     let sent = rig.node.counters().sent;
     rig.node.frame(Millis::from_ms(rig.now), &bytes, &mut Full);
     assert_eq!(
@@ -567,10 +570,16 @@ fn a_full_way_out_is_counted() {
 fn parameters_are_read_at_any_time_and_set_while_standing() {
     let mut rig = Rig::ready(Clock::Host);
     let ask = |rig: &mut Rig, parameter, value| {
-        let said = rig.send(ToMind::Parameter { parameter, value });
+        let said = rig.send(HostMessage::Parameter { parameter, value });
         match said[..] {
-            [FromMind::Parameter { value, .. }, FromMind::Done { .. }] => Ok(value),
-            [FromMind::Refusal { why, .. }, FromMind::Done { .. }] => Err(why),
+            [
+                DeviceMessage::Parameter { value, .. },
+                DeviceMessage::Done { .. },
+            ] => Ok(value),
+            [
+                DeviceMessage::Refusal { reason, .. },
+                DeviceMessage::Done { .. },
+            ] => Err(reason),
             _ => panic!("{said:?}"),
         }
     };
@@ -578,9 +587,9 @@ fn parameters_are_read_at_any_time_and_set_while_standing() {
     assert_eq!(ask(&mut rig, Parameter::Step, Some(200)), Ok(200));
     assert_eq!(rig.node.config().robot.step_mm, 200);
     let spec = Parameter::Step.spec();
-    let beyond = Refusal::Parameter(ParameterError::Range(spec));
+    let beyond = Refusal::Parameter(ParameterError::OutOfRange(spec));
     assert_eq!(ask(&mut rig, Parameter::Step, Some(5)), Err(beyond));
-    rig.order(Order::Seek);
+    rig.command(RobotCommand::Seek);
     assert_eq!(
         ask(&mut rig, Parameter::Step, Some(100)),
         Err(Refusal::Moving)
@@ -591,30 +600,33 @@ fn parameters_are_read_at_any_time_and_set_while_standing() {
 #[test]
 fn the_mode_is_told_when_asked() {
     let mut rig = Rig::ready(Clock::Host);
-    let mut ask = || rig.send(ToMind::Mode);
-    assert_eq!(ask()[0], FromMind::Mode(ModeReport::Idle));
-    rig.order(Order::Seek);
-    assert_eq!(rig.send(ToMind::Mode)[0], FromMind::Mode(ModeReport::Seek));
+    let mut ask = || rig.send(HostMessage::Mode);
+    assert_eq!(ask()[0], DeviceMessage::Mode(ModeReport::Idle));
+    rig.command(RobotCommand::Seek);
+    assert_eq!(
+        rig.send(HostMessage::Mode)[0],
+        DeviceMessage::Mode(ModeReport::Seek)
+    );
 }
 
 #[test]
 fn echoes_come_from_the_source_that_was_chosen() {
     let mut rig = Rig::ready(Clock::Device);
-    let choose = |rig: &mut Rig, source| refusal(&rig.send(ToMind::Source(source)));
+    let choose = |rig: &mut Rig, source| refusal(&rig.send(HostMessage::Source(source)));
     assert_eq!(choose(&mut rig, Source::Ring), Some(Refusal::NoRing));
     assert_eq!(rig.node.source(), Source::Link);
     rig.node.identity.ring = true;
     assert_eq!(choose(&mut rig, Source::Ring), None);
     assert_eq!(rig.node.source(), Source::Ring);
-    rig.order(Order::Seek);
+    rig.command(RobotCommand::Seek);
     assert!(
         motion(&rig.ring(900)).is_none(),
         "the link's echoes do not count"
     );
     assert_eq!(choose(&mut rig, Source::Link), Some(Refusal::Moving));
-    rig.order(Order::Stop);
+    rig.command(RobotCommand::Stop);
     assert_eq!(choose(&mut rig, Source::Link), None);
-    rig.order(Order::Seek);
+    rig.command(RobotCommand::Seek);
     rig.now += 200;
     assert!(motion(&rig.ring(900)).is_some());
 }
@@ -622,17 +634,17 @@ fn echoes_come_from_the_source_that_was_chosen() {
 #[test]
 fn a_goal_given_while_seeking_is_pursued_at_once() {
     let mut rig = Rig::ready(Clock::Host);
-    rig.order(Order::Seek);
+    rig.command(RobotCommand::Seek);
     let mut components = [Component::ANY; 16];
     components[4] = Component::at_least(Weight::ONE);
     let goal = Goal::of(components);
-    let said = rig.order(Order::Goal(GoalBy::Components(goal)));
-    assert!(said.contains(&FromMind::Mode(ModeReport::Seek)));
+    let said = rig.command(RobotCommand::Goal(GoalSpec::Components(goal)));
+    assert!(said.contains(&DeviceMessage::Mode(ModeReport::Seek)));
     assert_eq!(rig.node.state.mode(), &Mode::Seek { goal });
     // While standing it is only kept.
-    rig.order(Order::Stop);
-    let said = rig.order(Order::Goal(GoalBy::Avoid));
-    assert!(matches!(said[..], [FromMind::Done { .. }]));
+    rig.command(RobotCommand::Stop);
+    let said = rig.command(RobotCommand::Goal(GoalSpec::Avoid));
+    assert!(matches!(said[..], [DeviceMessage::Done { .. }]));
     assert_eq!(rig.node.goal, Goal::avoiding(rig.node.config()));
 }
 
@@ -650,8 +662,8 @@ fn sound_frames_without_a_message_and_what_the_device_counts_are_counted() {
     );
     rig.node.device_counters().overruns = 3;
     rig.node.set_oversized(4);
-    let said = rig.send(ToMind::Counters);
-    let [FromMind::Counters(counters), _] = said[..] else {
+    let said = rig.send(HostMessage::Counters);
+    let [DeviceMessage::Counters(counters), _] = said[..] else {
         panic!("{said:?}");
     };
     let counted = (
@@ -683,9 +695,9 @@ fn recall(node: &mut Small, image: &[u8]) -> Result<(), crate::store::ImageError
 #[test]
 fn a_node_that_recalls_goes_on_as_any_other_that_does() {
     let mut rig = Rig::ready(Clock::Host);
-    rig.order(Order::Seek);
+    rig.command(RobotCommand::Seek);
     let _ = rig.rounds(30);
-    rig.order(Order::Stop);
+    rig.command(RobotCommand::Stop);
     let saved = image(&rig.node);
     let sums = |node: &Small| [node.config_crc(), node.maps_crc(), node.memory_crc()];
     let known = sums(&rig.node);
@@ -698,7 +710,7 @@ fn a_node_that_recalls_goes_on_as_any_other_that_does() {
         .map(|rig| {
             recall(&mut rig.node, &saved).unwrap();
             assert_eq!(sums(&rig.node), known);
-            assert_eq!(refusal(&rig.order(Order::Seek)), None);
+            assert_eq!(refusal(&rig.command(RobotCommand::Seek)), None);
             rig.rounds(60)
         })
         .into();
@@ -712,36 +724,36 @@ fn a_node_that_recalls_goes_on_as_any_other_that_does() {
 fn goals_are_kept_by_name_and_saved() {
     let mut rig = Rig::new(Clock::Host);
     let name = |text| crate::goal::Name::new(text).unwrap();
-    let situation = GoalBy::Situation([100; 16]);
-    rig.order(Order::Goal(situation));
+    let situation = GoalSpec::Situation([100; 16]);
+    rig.command(RobotCommand::Goal(situation));
     let nest = rig.node.goal;
     assert_eq!(
-        refusal(&rig.send(ToMind::Keep { name: name("nest") })),
+        refusal(&rig.send(HostMessage::SaveGoal { name: name("nest") })),
         None
     );
-    rig.order(Order::Goal(GoalBy::Avoid));
+    rig.command(RobotCommand::Goal(GoalSpec::Avoid));
     let avoid = rig.node.goal;
     let none = crate::goal::Name::NONE;
     assert_eq!(
-        refusal(&rig.send(ToMind::Keep { name: none })),
-        Some(Refusal::GoalName)
+        refusal(&rig.send(HostMessage::SaveGoal { name: none })),
+        Some(Refusal::InvalidGoalName)
     );
     let saved = image(&rig.node);
     let mut other = Rig::new(Clock::Host);
     recall(&mut other.node, &saved).unwrap();
-    let said = other.send(ToMind::Goals);
-    let goal = |name, goal| FromMind::Goal { name, goal };
+    let said = other.send(HostMessage::ListGoals);
+    let goal = |name, goal| DeviceMessage::Goal { name, goal };
     assert_eq!(said[..2], [goal(none, avoid), goal(name("nest"), nest)]);
-    other.order(Order::Goal(GoalBy::Kept(name("nest"))));
+    other.command(RobotCommand::Goal(GoalSpec::Saved(name("nest"))));
     assert_eq!(other.node.goal, nest);
-    let gone = ToMind::Drop { name: name("nest") };
+    let gone = HostMessage::DeleteGoal { name: name("nest") };
     assert_eq!(refusal(&other.send(gone.clone())), None);
     assert_eq!(refusal(&other.send(gone)), Some(Refusal::NoSuchGoal));
-    let unknown = Order::Goal(GoalBy::Kept(name("nest")));
-    assert_eq!(refusal(&other.order(unknown)), Some(Refusal::NoSuchGoal));
-    rig.order(Order::Forget);
+    let unknown = RobotCommand::Goal(GoalSpec::Saved(name("nest")));
+    assert_eq!(refusal(&other.command(unknown)), Some(Refusal::NoSuchGoal));
+    rig.command(RobotCommand::Forget);
     assert_eq!(
-        rig.send(ToMind::Goals).len(),
+        rig.send(HostMessage::ListGoals).len(),
         2,
         "the present goal, and done"
     );
@@ -750,14 +762,14 @@ fn goals_are_kept_by_name_and_saved() {
 #[test]
 fn the_flash_is_asked_for_at_standstill_and_answered_when_it_is_done() {
     let mut rig = Rig::ready(Clock::Device);
-    rig.order(Order::Seek);
-    let moving = refusal(&rig.send(ToMind::Flash(Flash::Save)));
+    rig.command(RobotCommand::Seek);
+    let moving = refusal(&rig.send(HostMessage::Flash(FlashOperation::Save)));
     assert_eq!(moving, Some(Refusal::Moving));
     assert_eq!(rig.node.flash_task(), None);
-    rig.order(Order::Stop);
-    let save = rig.packed(&ToMind::Flash(Flash::Save));
+    rig.command(RobotCommand::Stop);
+    let save = rig.packed(&HostMessage::Flash(FlashOperation::Save));
     assert!(rig.raw(&save).is_empty());
-    assert_eq!(rig.node.flash_task(), Some(Flash::Save));
+    assert_eq!(rig.node.flash_task(), Some(FlashOperation::Save));
     let mut said = Said::default();
     let now = Millis::from_ms(rig.now);
     rig.node.announce_pause(5_000, now, &mut said);
@@ -769,7 +781,11 @@ fn the_flash_is_asked_for_at_standstill_and_answered_when_it_is_done() {
     assert_eq!(refusal(&read(&said)), failed);
     assert!(matches!(
         read(&said)[..],
-        [FromMind::Busy { ms: 5_000 }, _, FromMind::Done { .. }]
+        [
+            DeviceMessage::Busy { ms: 5_000 },
+            _,
+            DeviceMessage::Done { .. }
+        ]
     ));
     assert_eq!(rig.node.flash_task(), None);
     rig.now += SILENCE_MS;
@@ -793,17 +809,17 @@ impl Rig {
         );
         let dimensions = Small::dimensions();
         let clock = Clock::Device;
-        let said = rig.send(ToMind::Hello(HostHello {
+        let said = rig.send(HostMessage::Hello(HostHello {
             dimensions,
             clock,
             open_space: false,
         }));
-        assert!(matches!(said[..], [FromMind::Hello(_)]), "{said:?}");
+        assert!(matches!(said[..], [DeviceMessage::Hello(_)]), "{said:?}");
         rig
     }
 
     /// The chip's own ring hears `range_mm` everywhere.
-    fn own_ring(&mut self, range_mm: u16) -> Vec<FromMind<16>> {
+    fn own_ring(&mut self, range_mm: u16) -> Vec<DeviceMessage<16>> {
         let (mut said, now) = (Said::default(), Millis::from_ms(self.now));
         for sensor in 0..16 {
             let range = Some(Range::from_mm(range_mm));
@@ -817,14 +833,14 @@ impl Rig {
 fn echoes_come_from_where_the_session_listens() {
     let mut rig = Rig::with_ring();
     rig.ahead = 0;
-    let explore = Order::Explore { moves: 5, seed: 1 };
-    rig.order(explore.clone());
+    let explore = RobotCommand::Explore { moves: 5, seed: 1 };
+    rig.command(explore.clone());
     rig.now += 200;
     assert_eq!(rig.own_ring(2_000), [], "it listens to the link");
     assert!(motion(&rig.ring(2_000)).is_some());
-    rig.order(Order::Stop);
-    rig.send(ToMind::Source(Source::Ring));
-    rig.order(explore);
+    rig.command(RobotCommand::Stop);
+    rig.send(HostMessage::Source(Source::Ring));
+    rig.command(explore);
     rig.now += 200;
     assert!(motion(&rig.ring(2_000)).is_none(), "it listens to its ring");
     assert!(motion(&rig.own_ring(2_000)).is_some());
@@ -833,33 +849,33 @@ fn echoes_come_from_where_the_session_listens() {
 #[test]
 fn a_chip_without_a_ring_has_none_to_listen_to() {
     let mut rig = Rig::new(Clock::Device);
-    let said = rig.send(ToMind::Source(Source::Ring));
+    let said = rig.send(HostMessage::Source(Source::Ring));
     assert_eq!(refusal(&said), Some(Refusal::NoRing));
     // By the host's clock nothing would supervise its motions while the host is silent.
     let mut rig = Rig::with_ring();
-    rig.send(ToMind::Hello(HostHello {
+    rig.send(HostMessage::Hello(HostHello {
         dimensions: Small::dimensions(),
         clock: Clock::Host,
         open_space: false,
     }));
-    let said = rig.send(ToMind::Source(Source::Ring));
+    let said = rig.send(HostMessage::Source(Source::Ring));
     assert_eq!(refusal(&said), Some(Refusal::NoRing));
 }
 
 /// Transducer 3 hears nothing between near things until it does.
 impl Rig {
     /// A ring whose transducer 3 says something else; what is noted of it.
-    fn notices(&mut self, third: Option<u16>) -> Vec<Notice> {
+    fn notices(&mut self, third: Option<u16>) -> Vec<LogEvent> {
         let at_ms = self.at_ms();
-        let echoes = (0..16).map(|sensor| Heard {
+        let echoes = (0..16).map(|sensor| TimedEcho {
             sensor,
             range_mm: if sensor == 3 { third } else { Some(700) },
             age_ms: 0,
         });
         let echoes = echoes.collect();
-        let said = self.send(ToMind::Scan { at_ms, echoes });
+        let said = self.send(HostMessage::Scan { at_ms, echoes });
         let logged = said.into_iter().filter_map(|said| match said {
-            FromMind::Log(notice) => Some(notice),
+            DeviceMessage::Log(notice) => Some(notice),
             _ => None,
         });
         logged.collect()
@@ -867,7 +883,7 @@ impl Rig {
 
     fn set(&mut self, parameter: Parameter, value: i32) {
         let value = Some(value);
-        self.send(ToMind::Parameter { parameter, value });
+        self.send(HostMessage::Parameter { parameter, value });
     }
 
     /// Transducer 3 has never been heard, at two places.
@@ -876,7 +892,7 @@ impl Rig {
         rig.set(Parameter::FaultDetection, 1);
         assert_eq!(rig.notices(None), []);
         let at_ms = rig.at_ms();
-        rig.send(ToMind::Odometry {
+        rig.send(HostMessage::Odometry {
             at_ms,
             motion: 0,
             dx_mm: 250,
@@ -887,7 +903,7 @@ impl Rig {
         let fault = SensorFault::Unheard;
         assert_eq!(
             rig.notices(None),
-            [Notice::Disbelieved { sensor: 3, fault }]
+            [LogEvent::SensorDisabled { sensor: 3, fault }]
         );
         rig
     }
@@ -896,7 +912,10 @@ impl Rig {
 #[test]
 fn the_host_is_told_whom_the_mind_believes() {
     let mut rig = Rig::disbelieving();
-    assert_eq!(rig.notices(Some(700)), [Notice::Believed { sensor: 3 }]);
+    assert_eq!(
+        rig.notices(Some(700)),
+        [LogEvent::SensorEnabled { sensor: 3 }]
+    );
 }
 
 #[test]
@@ -905,8 +924,8 @@ fn who_writes_the_mask_of_the_believed_trusts_them_again() {
     let enabled = |rig: &Rig| rig.node.state.enabled(&rig.node.config);
     rig.set(Parameter::Epochs, 50);
     assert_eq!(enabled(&rig), Mask::ALL.without(3));
-    let mask = Parameter::Believed.get(&rig.node.config);
-    rig.set(Parameter::Believed, mask);
+    let mask = Parameter::Enabled.get(&rig.node.config);
+    rig.set(Parameter::Enabled, mask);
     assert_eq!(enabled(&rig), Mask::ALL);
 }
 

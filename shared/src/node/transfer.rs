@@ -2,9 +2,9 @@
 
 use super::{FrameSink, MAX_CONFIG, Node};
 use crate::config::Config;
-use crate::controller::{self, PartError};
+use crate::controller::{self, TransferError};
 use crate::units::Millis;
-use crate::wire::message::{FromMind, MAX_PIECE, Part, Refusal};
+use crate::wire::message::{DeviceMessage, MAX_CHUNK, Refusal, TransferPart};
 use crate::wire::{Checksum, checksum};
 use heapless::Vec;
 
@@ -16,16 +16,16 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     #[inline(never)]
     pub(super) fn read_part(
         &mut self,
-        part: Part,
+        part: TransferPart,
         offset: u16,
         now: Millis,
         out: &mut impl FrameSink,
     ) {
-        let mut bytes = Vec::<u8, MAX_PIECE>::new();
+        let mut bytes = Vec::<u8, MAX_CHUNK>::new();
         let start = usize::from(offset);
         let total = match controller_part(part) {
             Some(part) => {
-                let mut buffer = [0; MAX_PIECE];
+                let mut buffer = [0; MAX_CHUNK];
                 let count = self.state.read_part(part, start, &mut buffer);
                 let _ = bytes.extend_from_slice(buffer.get(..count).unwrap_or(&[]));
                 self.state.part_len(part)
@@ -34,11 +34,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 let mut buffer = [0; MAX_CONFIG];
                 let whole = self.config.to_bytes(&mut buffer);
                 let rest = whole.get(start..).unwrap_or(&[]);
-                let _ = bytes.extend_from_slice(rest.get(..MAX_PIECE).unwrap_or(rest));
+                let _ = bytes.extend_from_slice(rest.get(..MAX_CHUNK).unwrap_or(rest));
                 whole.len()
             }
         };
-        let piece = FromMind::Piece {
+        let piece = DeviceMessage::Chunk {
             part,
             offset,
             total: total as u16,
@@ -50,7 +50,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     /// Takes a piece of a part; a configuration takes effect with its last piece.
     pub(super) fn write_part(
         &mut self,
-        part: Part,
+        part: TransferPart,
         offset: u16,
         bytes: &[u8],
         last: bool,
@@ -58,14 +58,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.require_standing()?;
         if let Some(part) = controller_part(part) {
             let written = self.state.write_part(part, usize::from(offset), bytes);
-            return written.map_err(Refusal::Piece);
+            return written.map_err(Refusal::Transfer);
         }
         if offset == 0 {
             self.staged.clear();
         }
         if usize::from(offset) != self.staged.len() || self.staged.extend_from_slice(bytes).is_err()
         {
-            return Err(Refusal::Piece(PartError::Place));
+            return Err(Refusal::Transfer(TransferError::OutOfBounds));
         }
         if last {
             let config = Config::from_bytes(&self.staged).ok_or(Refusal::Config)?;
@@ -107,12 +107,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 }
 
 /// The controller's part; `None` for the configuration, which is the node's.
-const fn controller_part(part: Part) -> Option<controller::StatePart> {
+const fn controller_part(part: TransferPart) -> Option<controller::StatePart> {
     match part {
-        Part::Config => None,
-        Part::Situations => Some(controller::StatePart::Situations),
-        Part::Changes => Some(controller::StatePart::Changes),
-        Part::Actions => Some(controller::StatePart::Actions),
-        Part::Memory => Some(controller::StatePart::Memory),
+        TransferPart::Config => None,
+        TransferPart::Situations => Some(controller::StatePart::Situations),
+        TransferPart::Changes => Some(controller::StatePart::Changes),
+        TransferPart::Actions => Some(controller::StatePart::Actions),
+        TransferPart::Memory => Some(controller::StatePart::Memory),
     }
 }

@@ -171,7 +171,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         let mut plan = Plan {
             goal_neuron: goal_neuron as u8,
             current_neuron: current as u8,
-            intermediate_neuron: self.situations.bmu(&to_come, mask) as u8,
+            subgoal_neuron: self.situations.bmu(&to_come, mask) as u8,
             wanted: difference(&to_come, situation),
             action_neuron: self.neuron_of(best.direction) as u8,
             at_goal: view.goal.is_met_by(now, view.bounds.iter().copied())

@@ -119,7 +119,7 @@ fn the_neighbor_nearer_to_the_goal_is_aimed_at() {
         assert_eq!((plan.goal_neuron, plan.current_neuron), (3, 0));
         // Both neighbors are one step from the goal's neuron; less ahead is nearer to nothing than
         // something on the right.
-        assert_eq!((plan.intermediate_neuron, plan.why), (1, Why::Neighbour));
+        assert_eq!((plan.subgoal_neuron, plan.why), (1, Why::Neighbor));
         // From what was measured to the neighbor's code vector.
         assert_eq!(
             plan.wanted,
@@ -145,17 +145,14 @@ fn without_a_nearer_neighbor_the_goal_itself_is_aimed_at() {
         .situations
         .set_code_vector(2, &weights([1.0, 0.0, 1.0, 0.0]));
     let plan = bench.free([0.9, 0.0, 0.0, 0.0]);
-    assert_eq!(
-        (plan.intermediate_neuron, plan.why),
-        (3, Why::NoNearerNeighbour)
-    );
+    assert_eq!((plan.subgoal_neuron, plan.why), (3, Why::NoNearerNeighbor));
     assert_eq!(
         plan.wanted,
         difference(&[Weight::ZERO; 4], &weights([0.9, 0.0, 0.0, 0.0]))
     );
     // By grid steps it has one all the same.
     bench.config.planning.subgoal = Subgoal::FewestHops;
-    assert_eq!(bench.free([0.9, 0.0, 0.0, 0.0]).why, Why::Neighbour);
+    assert_eq!(bench.free([0.9, 0.0, 0.0, 0.0]).why, Why::Neighbor);
     // A goal the present neuron meets exactly leaves nothing nearer.
     bench.config.planning.subgoal = Subgoal::NearestCode;
     bench.situations.set_code_vector(0, &weights([0.0; 4]));
@@ -174,7 +171,7 @@ fn the_goal_can_be_aimed_at_without_a_neighbor() {
     let mut bench = Bench::new();
     bench.config.planning.subgoal = Subgoal::Goal;
     let plan = bench.free([0.0, 0.0, 0.0, 0.75]);
-    assert_eq!((plan.intermediate_neuron, plan.why), (3, Why::GoalDirectly));
+    assert_eq!((plan.subgoal_neuron, plan.why), (3, Why::GoalDirectly));
     assert_eq!(plan.wanted, weights([0.0, 0.0, 0.0, -0.75]));
     assert!(near(plan.action, 0, 200), "{:?}", plan.action);
     // Whole steps only, and a share of the course on top of it.
@@ -403,9 +400,9 @@ fn a_goal_in_the_frame_of_travel_is_recalled_along_its_way() {
 #[test]
 fn each_why_has_words_of_its_own() {
     let whys = [
-        Why::Neighbour,
+        Why::Neighbor,
         Why::GoalNeuron,
-        Why::NoNearerNeighbour,
+        Why::NoNearerNeighbor,
         Why::GoalDirectly,
         Why::KeepCourse,
         Why::TurnCourse,
@@ -443,7 +440,7 @@ fn one_step_ahead_the_heading_that_leads_nearest_is_taken_as_far_as_it_helps() {
     assert_eq!((there.why, there.action), (Why::Stay, Displacement::ZERO));
     assert!(there.at_goal);
     // The situation to come is that of the neuron nearest to it: nothing.
-    assert_eq!((plan.current_neuron, half.intermediate_neuron), (0, 3));
+    assert_eq!((plan.current_neuron, half.subgoal_neuron), (0, 3));
 }
 
 /// A look-ahead holds its goal by the mean of all deviations or by each of them.
@@ -581,6 +578,6 @@ fn a_goal_that_the_present_neuron_meets_has_no_nearer_neighbor() {
     let plan = bench.plan([0.0, 0.0, 0.0, 0.03], &goal);
     assert_eq!(
         (plan.current_neuron, plan.goal_neuron, plan.why),
-        (3, 0, Why::NoNearerNeighbour)
+        (3, 0, Why::NoNearerNeighbor)
     );
 }

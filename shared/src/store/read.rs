@@ -75,7 +75,7 @@ fn look(read: Read<'_>, most: usize) -> Result<(Head, usize), ImageError> {
 /// The content of a record.
 enum ImageRecord<'a> {
     Head(Head),
-    Piece {
+    Chunk {
         part: u8,
         offset: u16,
         bytes: &'a [u8],
@@ -103,7 +103,7 @@ impl<'a> ImageRecord<'a> {
                 neurons: u8::from_le_bytes(rest.take()?),
                 samples: u16::from_le_bytes(rest.take()?),
             }),
-            kind::PIECE => Self::Piece {
+            kind::CHUNK => Self::Chunk {
                 part: u8::from_le_bytes(rest.take()?),
                 offset: u16::from_le_bytes(rest.take()?),
                 bytes: rest.0,
@@ -208,16 +208,17 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     /// leaves an empty state, with [`ImageError::Version`].
     pub fn read(&mut self, read: Read<'_>, most: usize) -> Result<ImageInfo, ImageError> {
         let (head, bytes) = look(read, most)?;
-        if (head.layout, head.grammar) != (LAYOUT, GRAMMAR) {
+        let readable = [GRAMMAR, FORMER_GRAMMAR].contains(&head.grammar);
+        if head.layout != LAYOUT || !readable {
             return Err(ImageError::Version);
         }
         let ours = (SENSORS as u8, NEURONS as u8);
         if (head.sensors, head.neurons) != ours || usize::from(head.samples) > SAMPLES {
             return Err(ImageError::Dimensions);
         }
-        *self.config = told(read, most)?;
+        *self.config = read_config(read, most)?;
         self.state.forget();
-        self.kept.clear();
+        self.goals.clear();
         *self.goal = Goal::avoiding(self.config);
         let taken = self.take_all(read, most);
         if taken.is_none() {
@@ -233,8 +234,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         loop {
             walk.next(read).ok()?;
             match ImageRecord::parse(walk.body())? {
-                ImageRecord::Head(_) | ImageRecord::Piece { part: 0, .. } => {}
-                ImageRecord::Piece {
+                ImageRecord::Head(_) | ImageRecord::Chunk { part: 0, .. } => {}
+                ImageRecord::Chunk {
                     part,
                     offset,
                     bytes,
@@ -248,7 +249,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                     if name == Name::NONE {
                         *self.goal = goal;
                     } else {
-                        self.kept.save(NamedGoal { name, goal }).ok()?;
+                        self.goals.save(NamedGoal { name, goal }).ok()?;
                     }
                 }
                 ImageRecord::End(_) => return Some(()),
@@ -258,7 +259,10 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 }
 
 /// The configuration in an image, which sends it first.
-fn told<const SENSORS: usize>(read: Read<'_>, most: usize) -> Result<Config<SENSORS>, ImageError> {
+fn read_config<const SENSORS: usize>(
+    read: Read<'_>,
+    most: usize,
+) -> Result<Config<SENSORS>, ImageError> {
     let mut buffer = [0; MAX_CONFIG];
     let mut length = 0_usize;
     let mut walk = RecordReader::begin(read, most)?;
@@ -266,7 +270,7 @@ fn told<const SENSORS: usize>(read: Read<'_>, most: usize) -> Result<Config<SENS
         walk.next(read)?;
         match ImageRecord::parse(walk.body()) {
             Some(ImageRecord::Head(_)) => {}
-            Some(ImageRecord::Piece { part: 0, bytes, .. }) => {
+            Some(ImageRecord::Chunk { part: 0, bytes, .. }) => {
                 let end = length.saturating_add(bytes.len());
                 let place = buffer.get_mut(length..end).ok_or(ImageError::Version)?;
                 for (place, byte) in place.iter_mut().zip(bytes) {

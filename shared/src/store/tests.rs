@@ -13,7 +13,7 @@ struct Mind<const SAMPLES: usize> {
     config: Config<16>,
     state: Box<State<16, 16, SAMPLES>>,
     goal: Goal<16>,
-    kept: NamedGoals<16>,
+    goals: NamedGoals<16>,
 }
 
 impl<const SAMPLES: usize> Mind<SAMPLES> {
@@ -22,7 +22,7 @@ impl<const SAMPLES: usize> Mind<SAMPLES> {
         Self {
             state: Box::new(State::new(Grid::rectangle(4, 4))),
             goal: Goal::avoiding(&config),
-            kept: NamedGoals::new(),
+            goals: NamedGoals::new(),
             config,
         }
     }
@@ -57,7 +57,7 @@ impl<const SAMPLES: usize> Mind<SAMPLES> {
             let name: String = std::format!("goal-number-{number}");
             let name = Name::new(&name[name.len() - 12..]).unwrap();
             let goal = mind.goal;
-            mind.kept.save(NamedGoal { name, goal }).unwrap();
+            mind.goals.save(NamedGoal { name, goal }).unwrap();
         }
         mind
     }
@@ -67,7 +67,7 @@ impl<const SAMPLES: usize> Mind<SAMPLES> {
             config: &self.config,
             state: &self.state,
             goal: &self.goal,
-            kept: &self.kept,
+            goals: &self.goals,
         };
         let mut image = Vec::new();
         let written = contents.write(generation, &mut |bytes| {
@@ -92,7 +92,7 @@ impl<const SAMPLES: usize> Mind<SAMPLES> {
             config: &mut self.config,
             state: &mut self.state,
             goal: &mut self.goal,
-            kept: &mut self.kept,
+            goals: &mut self.goals,
         };
         contents.read(read, most)
     }
@@ -142,7 +142,7 @@ fn what_is_written_is_read() {
             assert_eq!(seeded, mind.state.next_seed().is_some());
             assert_eq!(other.image(41).len(), image.len());
             assert_eq!((&other.config, &other.goal), (&mind.config, &mind.goal));
-            assert!(other.kept == mind.kept && other.state.memory() == mind.state.memory());
+            assert!(other.goals == mind.goals && other.state.memory() == mind.state.memory());
             assert!(other.state.situations() == mind.state.situations());
             assert!(other.state.actions() == mind.state.actions());
             assert_eq!(other.state.has_learned(), mind.state.has_learned());
@@ -233,11 +233,26 @@ fn other_versions_and_robots_are_known_as_such() {
 }
 
 #[test]
-fn what_is_kept_has_a_grammar_of_its_own() {
+fn saved_types_have_a_grammar_of_their_own() {
     let text = include_str!("../wire/schema.txt");
-    let kept = &text[text.find("\nConfig ").unwrap()..];
-    assert!(kept.contains("\nGoal ") && !kept.contains("ToMind"));
-    assert_eq!(GRAMMAR, CRC.checksum(kept.as_bytes()));
+    let saved = &text[text.find("\nConfig ").unwrap()..];
+    assert!(saved.contains("\nGoal ") && !saved.contains("HostMessage"));
+    assert_eq!(GRAMMAR, CRC.checksum(saved.as_bytes()));
+}
+
+#[test]
+fn an_image_of_protocol_version_1_is_read() {
+    let full = Mind::<20>::full();
+    let image = full.image(3);
+    assert_eq!(image[8..12], GRAMMAR.to_le_bytes());
+    for (grammar, readable) in [(0x1113_3147_u32, true), (0x1113_3148, false)] {
+        let mut former = image.clone();
+        former[8..12].copy_from_slice(&grammar.to_le_bytes());
+        let mut mind = Mind::<20>::fresh();
+        assert_eq!(mind.read(&sealed(former)).is_ok(), readable);
+        assert_eq!(mind.goals == full.goals, readable);
+        assert_eq!(mind.state.has_learned(), readable);
+    }
 }
 
 proptest! {

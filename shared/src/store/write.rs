@@ -26,8 +26,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         put(&self.head(generation))?;
         let mut buffer = [0; MAX_CONFIG];
         let config = self.config.to_bytes(&mut buffer);
-        for (index, bytes) in config.chunks(MAX_PIECE).enumerate() {
-            put(&piece(0, index.wrapping_mul(MAX_PIECE), bytes))?;
+        for (index, bytes) in config.chunks(MAX_CHUNK).enumerate() {
+            put(&piece(0, index.wrapping_mul(MAX_CHUNK), bytes))?;
         }
         for (number, part) in (1..).zip(PARTS) {
             let mut offset = 0_usize;
@@ -40,8 +40,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             put(&Draft::of(kind::RANDOM, &[&seed.to_le_bytes()]))?;
         }
         put(&goal(Name::NONE, self.goal))?;
-        for kept in self.kept.as_slice() {
-            put(&goal(kept.name, &kept.goal))?;
+        for named in self.goals.as_slice() {
+            put(&goal(named.name, &named.goal))?;
         }
         let crc = digest.finalize().to_le_bytes();
         sink(Draft::of(kind::END, &[&crc]).as_bytes())
@@ -64,11 +64,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let sample = State::<SENSORS, NEURONS, SAMPLES>::SAMPLE_BYTES;
         let most = match part {
             // Pieces of the memory end where samples do.
-            StatePart::Memory => MAX_PIECE.checked_div(sample)?.wrapping_mul(sample),
+            StatePart::Memory => MAX_CHUNK.checked_div(sample)?.wrapping_mul(sample),
             _ if !self.state.has_learned() => return None,
-            _ => MAX_PIECE,
+            _ => MAX_CHUNK,
         };
-        let mut buffer = [0; MAX_PIECE];
+        let mut buffer = [0; MAX_CHUNK];
         let count = self.state.read_part(part, offset, buffer.get_mut(..most)?);
         let bytes = buffer.get(..count).filter(|bytes| !bytes.is_empty())?;
         Some((piece(number, offset, bytes), count))
@@ -78,7 +78,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 #[inline(never)]
 fn piece(part: u8, offset: usize, bytes: &[u8]) -> Draft {
     let offset = (offset as u16).to_le_bytes();
-    Draft::of(kind::PIECE, &[&[part], &offset, bytes])
+    Draft::of(kind::CHUNK, &[&[part], &offset, bytes])
 }
 
 #[inline(never)]

@@ -9,19 +9,23 @@ mod replies;
 mod requests;
 
 pub use counters::{Counters, DeviceCounters};
-pub use replies::{FromMind, MindHello, ModeReport, MotionOrder, Notice, Refusal, Report};
-pub use requests::{Flash, FlashError, GoalBy, Heard, HostHello, Order, ToMind};
+pub use replies::{
+    DeviceHello, DeviceMessage, LogEvent, ModeReport, MotionCommand, Refusal, Report,
+};
+pub use requests::{
+    FlashError, FlashOperation, GoalSpec, HostHello, HostMessage, RobotCommand, TimedEcho,
+};
 
 /// Most bytes of a part in one message.
-pub const MAX_PIECE: usize = 160;
+pub const MAX_CHUNK: usize = 160;
 /// Most echoes in one message.
 pub const MAX_ECHOES: usize = 16;
 
-/// A part that can be read and written in pieces.
+/// A part of the state that is read and written in chunks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Part {
+pub enum TransferPart {
     /// The configuration, in postcard's form; written from its beginning on, it takes effect with
-    /// the last piece.
+    /// the last chunk.
     Config,
     /// The situation map.
     Situations,

@@ -10,12 +10,12 @@ pub mod frame;
 pub mod message;
 
 pub use frame::{Frame, FrameError, Header, Receiver};
-pub use message::{FromMind, Report, ToMind};
+pub use message::{DeviceMessage, HostMessage, Report};
 
 use crc::{CRC_32_ISO_HDLC, Crc, Digest, Table};
 
 /// Version of the protocol; another one is refused.
-pub const PROTOCOL: u16 = 1;
+pub const PROTOCOL: u16 = 2;
 
 /// CRC-32 of the messages' grammar: two ends that differ in any message refuse each other.
 pub const SCHEMA: u32 = CRC.checksum(include_bytes!("schema.txt"));

@@ -1,12 +1,12 @@
 use super::frame::{MAX_FRAME, unpack};
 use super::message::{
-    Clock, Counters, DeviceCounters, Dimensions, Flash, FlashError, GoalBy, Heard, HostHello,
-    MindHello, ModeReport, MotionOrder, Notice, Order, Oscillator, Part, Refusal, ResetCause,
-    Source,
+    Clock, Counters, DeviceCounters, DeviceHello, Dimensions, FlashError, FlashOperation, GoalSpec,
+    HostHello, LogEvent, ModeReport, MotionCommand, Oscillator, Refusal, ResetCause, RobotCommand,
+    Source, TimedEcho, TransferPart,
 };
 use super::*;
 use crate::config::Config;
-use crate::controller::{CommandRefusal, Decision, PartError, Progress, StopReason};
+use crate::controller::{CommandRefusal, Decision, Progress, StopReason, TransferError};
 use crate::faults::SensorFault;
 use crate::fixed::Weight;
 use crate::goal::{Component, Goal, GoalFrame, Name};
@@ -41,15 +41,15 @@ fn situation(first: i16) -> [Weight; 16] {
     core::array::from_fn(|i| Weight::from_bits(first - 500 * i as i16))
 }
 
-fn to_mind() -> std::vec::Vec<(&'static str, ToMind<16>)> {
+fn to_device() -> std::vec::Vec<(&'static str, HostMessage<16>)> {
     let nest = Name::new("nest").unwrap();
-    let command = |order| ToMind::Command {
+    let command = |command| HostMessage::Command {
         at_ms: 1_500,
         ttl_ms: 1_000,
-        order,
+        command,
     };
     let echoes = [Some(1_250), None].into_iter().enumerate();
-    let echoes = echoes.map(|(sensor, range_mm)| Heard {
+    let echoes = echoes.map(|(sensor, range_mm)| TimedEcho {
         sensor: sensor as u8,
         range_mm,
         age_ms: 40,
@@ -67,23 +67,23 @@ fn to_mind() -> std::vec::Vec<(&'static str, ToMind<16>)> {
     std::vec![
         (
             "hello",
-            ToMind::Hello(HostHello {
+            HostMessage::Hello(HostHello {
                 dimensions: dimensions(),
                 clock: Clock::Device,
                 open_space: false,
             })
         ),
-        ("alive", ToMind::Alive { at_ms: 1_400 }),
+        ("alive", HostMessage::Alive { at_ms: 1_400 }),
         (
             "scan",
-            ToMind::Scan {
+            HostMessage::Scan {
                 at_ms: 1_500,
                 echoes: echoes.collect()
             }
         ),
         (
             "odometry",
-            ToMind::Odometry {
+            HostMessage::Odometry {
                 at_ms: 1_500,
                 motion: 9,
                 dx_mm: -125,
@@ -92,88 +92,94 @@ fn to_mind() -> std::vec::Vec<(&'static str, ToMind<16>)> {
                 progress: Progress::Ended,
             }
         ),
-        ("goal: avoid", command(Order::Goal(GoalBy::Avoid))),
-        ("goal: perceived", command(Order::Goal(GoalBy::Perceived))),
+        ("goal: avoid", command(RobotCommand::Goal(GoalSpec::Avoid))),
+        (
+            "goal: perceived",
+            command(RobotCommand::Goal(GoalSpec::Perceived))
+        ),
         (
             "goal: situation",
-            command(Order::Goal(GoalBy::Situation(core::array::from_fn(
-                |i| 16 * i as u8
-            ))))
+            command(RobotCommand::Goal(GoalSpec::Situation(
+                core::array::from_fn(|i| 16 * i as u8)
+            )))
         ),
         (
             "goal: components",
-            command(Order::Goal(GoalBy::Components(goal)))
+            command(RobotCommand::Goal(GoalSpec::Components(goal)))
         ),
         (
             "explore",
-            command(Order::Explore {
+            command(RobotCommand::Explore {
                 moves: 100,
                 seed: 0xdead_beef
             })
         ),
-        ("learn", command(Order::Learn)),
-        ("seek", command(Order::Seek)),
-        ("stop", command(Order::Stop)),
-        ("resume", command(Order::Resume)),
-        ("forget", command(Order::Forget)),
+        ("learn", command(RobotCommand::Learn)),
+        ("seek", command(RobotCommand::Seek)),
+        ("stop", command(RobotCommand::Stop)),
+        ("resume", command(RobotCommand::Resume)),
+        ("forget", command(RobotCommand::Forget)),
         (
             "read",
-            ToMind::Read {
-                part: Part::Situations,
+            HostMessage::Read {
+                part: TransferPart::Situations,
                 offset: 320
             }
         ),
         (
             "write",
-            ToMind::Write {
-                part: Part::Actions,
+            HostMessage::Write {
+                part: TransferPart::Actions,
                 offset: 4,
                 bytes: Vec::from_slice(&[0, 0, 0, 0x20]).unwrap(),
                 last: false,
             }
         ),
-        ("counters", ToMind::Counters),
+        ("counters", HostMessage::Counters),
         (
             "parameter: read",
-            ToMind::Parameter {
+            HostMessage::Parameter {
                 parameter: Parameter::Margin,
                 value: None
             }
         ),
         (
             "parameter: set",
-            ToMind::Parameter {
+            HostMessage::Parameter {
                 parameter: Parameter::Speed,
                 value: Some(300)
             }
         ),
-        ("source", ToMind::Source(Source::Ring)),
-        ("mode", ToMind::Mode),
-        ("goal: kept", command(Order::Goal(GoalBy::Kept(nest)))),
-        ("flash: save", ToMind::Flash(Flash::Save)),
-        ("flash: recall", ToMind::Flash(Flash::Recall)),
-        ("flash: erase", ToMind::Flash(Flash::Erase)),
-        ("keep", ToMind::Keep { name: nest }),
-        ("drop", ToMind::Drop { name: nest }),
-        ("goals", ToMind::Goals),
+        ("source", HostMessage::Source(Source::Ring)),
+        ("mode", HostMessage::Mode),
+        (
+            "goal: saved",
+            command(RobotCommand::Goal(GoalSpec::Saved(nest)))
+        ),
+        ("flash: save", HostMessage::Flash(FlashOperation::Save)),
+        ("flash: load", HostMessage::Flash(FlashOperation::Load)),
+        ("flash: erase", HostMessage::Flash(FlashOperation::Erase)),
+        ("save goal", HostMessage::SaveGoal { name: nest }),
+        ("delete goal", HostMessage::DeleteGoal { name: nest }),
+        ("list goals", HostMessage::ListGoals),
     ]
 }
 
-fn from_mind() -> std::vec::Vec<(&'static str, FromMind<16>)> {
+fn from_device() -> std::vec::Vec<(&'static str, DeviceMessage<16>)> {
     let moved = |dx_mm, dy_mm| Displacement { dx_mm, dy_mm };
     let plan = Plan {
         goal_neuron: 3,
         current_neuron: 12,
-        intermediate_neuron: 8,
+        subgoal_neuron: 8,
         wanted: situation(-100),
         action_neuron: 5,
         at_goal: false,
         recalled: true,
         action: moved(-200, 150),
-        why: Why::Neighbour,
+        why: Why::Neighbor,
     };
     let decision = |plan| {
-        FromMind::Decision(Decision {
+        DeviceMessage::Decision(Decision {
             situation: situation(8_192),
             plan,
             wanted: moved(-200, 150),
@@ -183,7 +189,7 @@ fn from_mind() -> std::vec::Vec<(&'static str, FromMind<16>)> {
     };
     let counters = Counters {
         accepted: 1_000,
-        damaged: 2,
+        crc_errors: 2,
         sent: 3_000,
         device: DeviceCounters {
             stack_peak_bytes: 3_100,
@@ -192,12 +198,12 @@ fn from_mind() -> std::vec::Vec<(&'static str, FromMind<16>)> {
         },
         ..Counters::default()
     };
-    let refused = |why| FromMind::Refusal { seq: 6, why };
+    let refused = |reason| DeviceMessage::Refusal { seq: 6, reason };
     let spec = Parameter::Speed.spec();
     std::vec![
         (
             "hello",
-            FromMind::Hello(MindHello {
+            DeviceMessage::Hello(DeviceHello {
                 dimensions: dimensions(),
                 samples: 100,
                 build: *b"1a2b3c4d",
@@ -210,7 +216,7 @@ fn from_mind() -> std::vec::Vec<(&'static str, FromMind<16>)> {
         ),
         (
             "motion",
-            FromMind::Motion(MotionOrder {
+            DeviceMessage::Motion(MotionCommand {
                 id: 10,
                 revision: 1,
                 dx_mm: -40,
@@ -223,13 +229,13 @@ fn from_mind() -> std::vec::Vec<(&'static str, FromMind<16>)> {
         ("decision: plan", decision(Some(plan))),
         (
             "mode: explore",
-            FromMind::Mode(ModeReport::Explore { left: 99 })
+            DeviceMessage::Mode(ModeReport::Explore { left: 99 })
         ),
         (
             "mode: stopped",
-            FromMind::Mode(ModeReport::Stopped(StopReason::LinkLost))
+            DeviceMessage::Mode(ModeReport::Stopped(StopReason::LinkLost))
         ),
-        ("counters", FromMind::Counters(counters)),
+        ("counters", DeviceMessage::Counters(counters)),
         (
             "refusal: incompatible",
             refused(Refusal::Incompatible(dimensions()))
@@ -241,17 +247,22 @@ fn from_mind() -> std::vec::Vec<(&'static str, FromMind<16>)> {
         ),
         (
             "refusal: command",
-            refused(Refusal::Command(CommandRefusal::Moves { most: 100 }))
+            refused(Refusal::Command(CommandRefusal::InvalidMoveCount {
+                max: 100
+            }))
         ),
         (
             "refusal: parameter",
-            refused(Refusal::Parameter(ParameterError::Range(spec)))
+            refused(Refusal::Parameter(ParameterError::OutOfRange(spec)))
         ),
-        ("refusal: piece", refused(Refusal::Piece(PartError::Place))),
         (
-            "piece",
-            FromMind::Piece {
-                part: Part::Memory,
+            "refusal: transfer",
+            refused(Refusal::Transfer(TransferError::OutOfBounds))
+        ),
+        (
+            "chunk",
+            DeviceMessage::Chunk {
+                part: TransferPart::Memory,
                 offset: 160,
                 total: 4_000,
                 bytes: Vec::from_slice(&[1, 2, 3]).unwrap(),
@@ -259,32 +270,32 @@ fn from_mind() -> std::vec::Vec<(&'static str, FromMind<16>)> {
         ),
         (
             "parameter",
-            FromMind::Parameter {
+            DeviceMessage::Parameter {
                 parameter: Parameter::Speed,
                 value: 508,
                 spec
             }
         ),
-        ("log", FromMind::Log(Notice::LinkLost)),
+        ("log", DeviceMessage::Log(LogEvent::LinkLost)),
         (
             "log: a transducer",
-            FromMind::Log(Notice::Disbelieved {
+            DeviceMessage::Log(LogEvent::SensorDisabled {
                 sensor: 3,
                 fault: SensorFault::Dead,
             }),
         ),
-        ("done", FromMind::Done { seq: 6 }),
-        ("busy", FromMind::Busy { ms: 4_850 }),
+        ("done", DeviceMessage::Done { seq: 6 }),
+        ("busy", DeviceMessage::Busy { ms: 4_850 }),
         (
             "goal",
-            FromMind::Goal {
+            DeviceMessage::Goal {
                 name: Name::new("nest").unwrap(),
                 goal: Goal::of([Component::at_most(Weight::from_bits(4_096)); 16]),
             }
         ),
         ("refusal: flash", refused(Refusal::Flash(FlashError::Empty))),
         ("refusal: no such goal", refused(Refusal::NoSuchGoal)),
-        ("refusal: goal name", refused(Refusal::GoalName)),
+        ("refusal: goal name", refused(Refusal::InvalidGoalName)),
     ]
 }
 
@@ -305,14 +316,14 @@ fn there_and_back<M: Serialize + DeserializeOwned + PartialEq + Debug>(message: 
 /// them.
 #[test]
 fn the_documented_examples_are_what_is_sent() {
-    let to = to_mind().into_iter();
-    let to = to.map(|(name, message)| format!("to mind, {name}\n{}\n", there_and_back(&message)));
-    let from = from_mind().into_iter().map(|(name, said)| {
+    let to = to_device().into_iter();
+    let to = to.map(|(name, message)| format!("to device, {name}\n{}\n", there_and_back(&message)));
+    let from = from_device().into_iter().map(|(name, message)| {
         let report = Report {
             device_ms: 1_520,
-            said,
+            message,
         };
-        format!("from mind, {name}\n{}\n", there_and_back(&report))
+        format!("from device, {name}\n{}\n", there_and_back(&report))
     });
     let examples: String = to.chain(from).collect();
     document::check_block("hex", &examples);
@@ -342,7 +353,7 @@ fn the_longest_messages_fit_a_frame() {
     let plan = Plan {
         goal_neuron: u8::MAX,
         current_neuron: u8::MAX,
-        intermediate_neuron: u8::MAX,
+        subgoal_neuron: u8::MAX,
         wanted: extremes,
         action_neuron: u8::MAX,
         at_goal: true,
@@ -357,11 +368,11 @@ fn the_longest_messages_fit_a_frame() {
         allowed: far,
         at_goal: true,
     };
-    let report = |said| Report {
+    let report = |message| Report {
         device_ms: u32::MAX,
-        said,
+        message,
     };
-    let heard = Heard {
+    let heard = TimedEcho {
         sensor: 255,
         range_mm: Some(u16::MAX),
         age_ms: u16::MAX,
@@ -379,31 +390,31 @@ fn the_longest_messages_fit_a_frame() {
         tolerance: Weight::MIN,
         ..Goal::of([component; 16])
     };
-    let piece = Vec::from_slice(&[255; message::MAX_PIECE]).unwrap();
-    there_and_back(&report(FromMind::<16>::Decision(decision)));
-    there_and_back(&report(FromMind::<16>::Piece {
-        part: Part::Memory,
+    let piece = Vec::from_slice(&[255; message::MAX_CHUNK]).unwrap();
+    there_and_back(&report(DeviceMessage::<16>::Decision(decision)));
+    there_and_back(&report(DeviceMessage::<16>::Chunk {
+        part: TransferPart::Memory,
         offset: u16::MAX,
         total: u16::MAX,
         bytes: piece.clone(),
     }));
-    there_and_back(&ToMind::<16>::Write {
-        part: Part::Memory,
+    there_and_back(&HostMessage::<16>::Write {
+        part: TransferPart::Memory,
         offset: u16::MAX,
         bytes: piece,
         last: true,
     });
-    there_and_back(&ToMind::<16>::Scan {
+    there_and_back(&HostMessage::<16>::Scan {
         at_ms: u32::MAX,
         echoes: core::iter::repeat_n(heard, message::MAX_ECHOES).collect(),
     });
-    there_and_back(&ToMind::<16>::Command {
+    there_and_back(&HostMessage::<16>::Command {
         at_ms: u32::MAX,
         ttl_ms: u16::MAX,
-        order: Order::Goal(GoalBy::Components(goal)),
+        command: RobotCommand::Goal(GoalSpec::Components(goal)),
     });
     let name = Name::new("twelve-chars").unwrap();
-    there_and_back(&report(FromMind::<16>::Goal { name, goal }));
+    there_and_back(&report(DeviceMessage::<16>::Goal { name, goal }));
     let mut config = [0; crate::node::MAX_CONFIG];
     assert!(postcard::to_slice(&Config::recommended(), &mut config).is_ok());
 }
@@ -428,7 +439,7 @@ fn frames_that_are_too_long_or_empty_are_no_frames() {
 proptest! {
     #[test]
     fn any_bytes_are_a_frame_or_an_error(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
-        let _ = unpack::<ToMind<16>>(&bytes);
+        let _ = unpack::<HostMessage<16>>(&bytes);
         let _ = unpack::<Report<16>>(&bytes);
     }
 
@@ -445,7 +456,7 @@ proptest! {
         }
         let frame = Frame::pack(HEADER, &Raw(content)).unwrap();
         let (_, coded) = frame.as_bytes().split_last().unwrap();
-        match unpack::<ToMind<16>>(coded) {
+        match unpack::<HostMessage<16>>(coded) {
             Ok((header, message)) => prop_assert!(header == HEADER && Frame::pack(header, &message).is_ok()),
             Err(error) => prop_assert_eq!(error, FrameError::Content { header: HEADER }),
         }
@@ -453,7 +464,7 @@ proptest! {
 
     #[test]
     fn a_damaged_frame_is_never_a_message(which in 0_usize..28, bits in prop::collection::vec(0_usize..2_048, 1..9)) {
-        let (_, message) = to_mind().swap_remove(which);
+        let (_, message) = to_device().swap_remove(which);
         let frame = Frame::pack(HEADER, &message).unwrap();
         let (_, coded) = frame.as_bytes().split_last().unwrap();
         let mut damaged = coded.to_vec();
@@ -461,7 +472,7 @@ proptest! {
             let bit = bit % (8 * damaged.len());
             damaged[bit / 8] ^= 1 << (bit % 8);
         }
-        let read = unpack::<ToMind<16>>(&damaged);
+        let read = unpack::<HostMessage<16>>(&damaged);
         prop_assert!(damaged == coded || read.is_err(), "{:?}", read);
     }
 }
@@ -511,9 +522,9 @@ fn a_receiver_takes_the_longest_frame_and_counts_longer_ones() {
 #[test]
 fn errors_have_words_of_their_own() {
     let words = [
-        FlashError::Absent,
+        FlashError::NoFlash,
         FlashError::Empty,
-        FlashError::Unreadable,
+        FlashError::OtherVersion,
         FlashError::Failed,
     ];
     let words = words.map(|error| format!("{error}"));

@@ -7,7 +7,8 @@ use amp::som::Grid;
 use amp::units::Millis;
 use amp::wire::frame::{Header, unpack};
 use amp::wire::message::{
-    Clock, FromMind, GoalBy, Heard, HostHello, MotionOrder, Order, Report, ToMind,
+    Clock, DeviceMessage, GoalSpec, HostHello, HostMessage, MotionCommand, Report, RobotCommand,
+    TimedEcho,
 };
 
 /// The session of a bench.
@@ -68,21 +69,21 @@ impl Ready {
         let grid = Grid::rectangle(4, 4);
         ready.node.start(&config, grid, identity, now, &mut said);
         ready.tell(&hello());
-        ready.order(Order::Explore { moves: MOVES, seed });
+        ready.send_command(RobotCommand::Explore { moves: MOVES, seed });
         for round in 0..MOVES {
             ready.now_ms += 100;
             let scan = scan(ready.host_ms(), 700 + 50 * (round % 9));
-            let order = motion(&ready.tell(&scan)).expect("a random move");
+            let command = motion(&ready.tell(&scan)).expect("a random move");
             ready.now_ms += 100;
-            ready.tell(&carried_out(ready.host_ms(), order));
+            ready.tell(&carried_out(ready.host_ms(), command));
         }
         ready.now_ms += 100;
         ready.tell(&scan(ready.host_ms(), 900));
-        ready.order(Order::Learn);
+        ready.send_command(RobotCommand::Learn);
         let now = clocks.device(ready.now_ms);
         while ready.node.tick(now, &mut said) {}
-        ready.order(Order::Goal(GoalBy::Avoid));
-        ready.order(Order::Seek);
+        ready.send_command(RobotCommand::Goal(GoalSpec::Avoid));
+        ready.send_command(RobotCommand::Seek);
         ready
     }
 
@@ -90,26 +91,26 @@ impl Ready {
         self.clocks.host(self.now_ms)
     }
 
-    fn order(&mut self, order: Order<16>) {
+    fn send_command(&mut self, command: RobotCommand<16>) {
         let at_ms = self.host_ms();
-        self.tell(&command(at_ms, 1_000, order));
+        self.tell(&command_message(at_ms, 1_000, command));
     }
 
-    fn tell(&mut self, message: &ToMind<16>) -> Vec<Report<16>> {
+    fn tell(&mut self, message: &HostMessage<16>) -> Vec<Report<16>> {
         self.seq = self.seq.wrapping_add(1);
         let frame = numbered(self.seq, message);
         let mut said = RecordedBytes::default();
         let now = self.clocks.device(self.now_ms);
         self.node.frame(now, coded(&frame), &mut said);
         let reports = reports(&said.0);
-        let refused = |report: &Report<16>| matches!(report.said, FromMind::Refusal { .. });
+        let refused = |report: &Report<16>| matches!(report.message, DeviceMessage::Refusal { .. });
         assert!(!reports.iter().any(refused), "{message:?}: {reports:?}");
         reports
     }
 }
 
 /// A frame of the session with its delimiter.
-pub(super) fn numbered(seq: u16, message: &ToMind<16>) -> Vec<u8> {
+pub(super) fn numbered(seq: u16, message: &HostMessage<16>) -> Vec<u8> {
     let session = SESSION;
     packed(Header { session, seq }, message)
 }
@@ -126,49 +127,53 @@ pub(super) fn reports(bytes: &[u8]) -> Vec<Report<16>> {
         .collect()
 }
 
-pub(super) fn motion(said: &[Report<16>]) -> Option<MotionOrder> {
-    said.iter().find_map(|report| match report.said {
-        FromMind::Motion(order) => Some(order),
+pub(super) fn motion(said: &[Report<16>]) -> Option<MotionCommand> {
+    said.iter().find_map(|report| match report.message {
+        DeviceMessage::Motion(command) => Some(command),
         _ => None,
     })
 }
 
-pub(super) fn hello() -> ToMind<16> {
-    ToMind::Hello(HostHello {
+pub(super) fn hello() -> HostMessage<16> {
+    HostMessage::Hello(HostHello {
         dimensions: dimensions(),
         clock: Clock::Device,
         open_space: false,
     })
 }
 
-pub(super) const fn command(at_ms: u32, ttl_ms: u16, order: Order<16>) -> ToMind<16> {
-    ToMind::Command {
+pub(super) const fn command_message(
+    at_ms: u32,
+    ttl_ms: u16,
+    command: RobotCommand<16>,
+) -> HostMessage<16> {
+    HostMessage::Command {
         at_ms,
         ttl_ms,
-        order,
+        command,
     }
 }
 
 /// A whole ring with `range_mm` ahead, and 20 mm more for each further sensor.
-pub(super) fn scan(at_ms: u32, range_mm: u16) -> ToMind<16> {
-    let echoes = (0..16).map(|sensor| Heard {
+pub(super) fn scan(at_ms: u32, range_mm: u16) -> HostMessage<16> {
+    let echoes = (0..16).map(|sensor| TimedEcho {
         sensor,
         range_mm: Some(range_mm + 20 * u16::from(sensor)),
         age_ms: 0,
     });
-    ToMind::Scan {
+    HostMessage::Scan {
         at_ms,
         echoes: echoes.collect(),
     }
 }
 
 /// The report of a motion that was executed completely.
-pub(super) const fn carried_out(at_ms: u32, order: MotionOrder) -> ToMind<16> {
-    ToMind::Odometry {
+pub(super) const fn carried_out(at_ms: u32, command: MotionCommand) -> HostMessage<16> {
+    HostMessage::Odometry {
         at_ms,
-        motion: order.id,
-        dx_mm: order.dx_mm,
-        dy_mm: order.dy_mm,
+        motion: command.id,
+        dx_mm: command.dx_mm,
+        dy_mm: command.dy_mm,
         turned: 0,
         progress: amp::controller::Progress::Ended,
     }

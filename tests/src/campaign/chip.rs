@@ -3,7 +3,7 @@
 //!
 //! The counts are a thousandth of those against the code on the host.
 
-use super::bench::{carried_out, command, motion, scan};
+use super::bench::{carried_out, command_message, motion, scan};
 use super::channel::{FaultRates, LossyChannel};
 use super::frames::{Example, examples};
 use super::link::{Bookkeeper, LinkBase};
@@ -14,7 +14,8 @@ use amp::controller::{Progress as Way, StopReason};
 use amp::units::Millis;
 use amp::wire::frame::{FrameError, Header, unpack};
 use amp::wire::message::{
-    Clock, Counters, FromMind, ModeReport, MotionOrder, Order, Refusal, Report, ToMind,
+    Clock, Counters, DeviceMessage, HostMessage, ModeReport, MotionCommand, Refusal, Report,
+    RobotCommand,
 };
 use amp::wire::{Frame, Receiver};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -49,7 +50,7 @@ const REPORTS: usize = 8;
 const OLDEST_MS: u64 = 700;
 /// Time to live of a command, ms; a command with a greater true age on arrival must not be
 /// executed.
-const ORDER_TTL_MS: u16 = 300;
+const COMMAND_TTL_MS: u16 = 300;
 const OLDEST_ORDER_MS: u64 = 500;
 /// A run of this many frames has enough stalls to test all of this.
 const ENOUGH: u64 = 1_000;
@@ -63,8 +64,8 @@ const LONGEST_MOVE_MS: usize = 700;
 /// Expected counters of the chip: what this machine's decoder does with the damaged frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 struct ExpectedCounters {
-    misshapen: u32,
-    damaged: u32,
+    malformed: u32,
+    crc_errors: u32,
     unknown: u32,
     oversized: u32,
     sound: u32,
@@ -77,7 +78,7 @@ struct ExpectedCounters {
 /// When there is no emulator, or the chip stops answering.
 #[must_use]
 pub fn frames(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
-    let examples: Vec<_> = examples().into_iter().filter(|one| one.to_mind).collect();
+    let examples: Vec<_> = examples().into_iter().filter(|one| one.to_device).collect();
     let mut random = generator(seed, 0);
     let mut chip = EmulatedChip::linked(Clock::Device);
     let before = chip.counters();
@@ -94,7 +95,7 @@ pub fn frames(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict 
         if ahead > AHEAD {
             ahead = 0;
             asked += 1;
-            chip.ask(&ToMind::Mode);
+            chip.ask(&HostMessage::Mode);
         }
         progress(1);
     }
@@ -108,9 +109,9 @@ fn expect(frame: &[u8], examples: &[Example], expected: &mut ExpectedCounters) {
         let Some(piece) = receiver.push(byte) else {
             continue;
         };
-        match unpack::<ToMind<16>>(piece) {
-            Err(FrameError::Shape | FrameError::TooLong) => expected.misshapen += 1,
-            Err(FrameError::Crc) => expected.damaged += 1,
+        match unpack::<HostMessage<16>>(piece) {
+            Err(FrameError::Shape | FrameError::TooLong) => expected.malformed += 1,
+            Err(FrameError::Crc) => expected.crc_errors += 1,
             Err(FrameError::Content { .. }) => expected.unknown += 1,
             Ok(_) => {
                 assert!(examples.iter().any(|example| example.bytes == piece));
@@ -133,17 +134,17 @@ fn judge(
         "{} damaged frames to the chip\n",
         grouped(count)
     ));
-    let sound = |counters: &Counters| counters.strangers + counters.refused;
+    let sound = |counters: &Counters| counters.wrong_session + counters.refused;
     let pairs = [
         (
             "no COBS",
-            expected.misshapen,
-            after.misshapen - before.misshapen,
+            expected.malformed,
+            after.malformed - before.malformed,
         ),
         (
             "wrong CRC",
-            expected.damaged,
-            after.damaged - before.damaged,
+            expected.crc_errors,
+            after.crc_errors - before.crc_errors,
         ),
         (
             "no message",
@@ -181,19 +182,19 @@ fn judge(
 
 /// Explores and learns a little, then seeks.
 fn seeking(chip: &mut EmulatedChip) {
-    chip.order(Order::Explore { moves: 10, seed: 3 });
+    chip.command(RobotCommand::Explore { moves: 10, seed: 3 });
     for round in 0..10 {
-        let order = ring(chip, 700 + 50 * round).expect("a random move");
-        let done = carried_out(chip.at_ms(), order);
+        let command = ring(chip, 700 + 50 * round).expect("a random move");
+        let done = carried_out(chip.at_ms(), command);
         chip.ask(&done);
     }
     ring(chip, 900);
-    chip.order(Order::Learn);
-    chip.wait(|_, report| (report.said == FromMind::Mode(ModeReport::Idle)).then_some(()));
-    chip.order(Order::Seek);
+    chip.command(RobotCommand::Learn);
+    chip.wait(|_, report| (report.message == DeviceMessage::Mode(ModeReport::Idle)).then_some(()));
+    chip.command(RobotCommand::Seek);
 }
 
-fn ring(chip: &mut EmulatedChip, range_mm: u16) -> Option<MotionOrder> {
+fn ring(chip: &mut EmulatedChip, range_mm: u16) -> Option<MotionCommand> {
     let scan = scan(chip.at_ms(), range_mm);
     motion(&chip.ask(&scan))
 }
@@ -207,8 +208,8 @@ pub fn link(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
     let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     let before = chip.counters();
-    let first = chip.send(&ToMind::Mode).wrapping_add(1);
-    let is_done = |report: &Report<16>| matches!(report.said, FromMind::Done { .. });
+    let first = chip.send(&HostMessage::Mode).wrapping_add(1);
+    let is_done = |report: &Report<16>| matches!(report.message, DeviceMessage::Done { .. });
     let device_ms = chip.wait(|_, report| is_done(&report).then_some(report.device_ms));
     let mut line = BadLine::new(&mut chip, first, device_ms, seed);
     while line.there.sent() < count || !line.there.is_empty() || !line.back.is_empty() {
@@ -337,9 +338,9 @@ impl<'a> BadLine<'a> {
         let message = match below(random, 20) {
             0..9 => scan(at_ms, 1_500 + below(random, 500) as u16),
             9..16 => self.base.report(at_ms),
-            16 => ToMind::Alive { at_ms },
-            17 => command(at_ms, ORDER_TTL_MS, Order::Seek),
-            _ => command(at_ms, ORDER_TTL_MS, Order::Resume),
+            16 => HostMessage::Alive { at_ms },
+            17 => command_message(at_ms, COMMAND_TTL_MS, RobotCommand::Seek),
+            _ => command_message(at_ms, COMMAND_TTL_MS, RobotCommand::Resume),
         };
         let header = Header {
             session: SESSION,
@@ -362,13 +363,13 @@ impl<'a> BadLine<'a> {
             self.latest = Some(come.number);
             self.accepted += 1;
             let coded = come.bytes.split_last().map_or(&[][..], |(_, coded)| coded);
-            if let Ok((header, ToMind::Command { .. })) = unpack::<ToMind<16>>(coded) {
-                let order = Given {
+            if let Ok((header, HostMessage::Command { .. })) = unpack::<HostMessage<16>>(coded) {
+                let command = Given {
                     age_ms: self.now_ms - come.sent_ms,
                     behind_ms: self.behind.ms(),
                     is_refused: false,
                 };
-                self.given.insert(header.seq, order);
+                self.given.insert(header.seq, command);
             }
         }
     }
@@ -391,24 +392,24 @@ impl<'a> BadLine<'a> {
     /// Looks for the result of a command.
     fn note(&mut self, report: &Report<16>) {
         self.behind.hear(self.chip.at_ms(), report.device_ms);
-        match report.said {
-            FromMind::Refusal {
+        match report.message {
+            DeviceMessage::Refusal {
                 seq,
-                why: Refusal::Expired { .. },
+                reason: Refusal::Expired { .. },
             } => {
-                if let Some(order) = self.given.get_mut(&seq) {
-                    order.is_refused = true;
+                if let Some(command) = self.given.get_mut(&seq) {
+                    command.is_refused = true;
                 }
             }
-            FromMind::Done { seq } => {
-                let Some(order) = self.given.remove(&seq) else {
+            DeviceMessage::Done { seq } => {
+                let Some(command) = self.given.remove(&seq) else {
                     return;
                 };
                 // The chip cannot count ticks that its clock has lost meanwhile.
-                let lost_ms = self.behind.latest_ms.saturating_sub(order.behind_ms);
-                if order.age_ms.saturating_sub(lost_ms.into()) > OLDEST_ORDER_MS {
+                let lost_ms = self.behind.latest_ms.saturating_sub(command.behind_ms);
+                if command.age_ms.saturating_sub(lost_ms.into()) > OLDEST_ORDER_MS {
                     self.late += 1;
-                    self.obeyed += u64::from(!order.is_refused);
+                    self.obeyed += u64::from(!command.is_refused);
                 }
             }
             _ => {}
@@ -488,7 +489,7 @@ pub fn silence(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict
             let moving_ms = below(&mut random, LONGEST_MOVE_MS) as u32;
             let took_ms = stopped_after(&mut chip, moving_ms);
             progress(1);
-            chip.order(Order::Resume);
+            chip.command(RobotCommand::Resume);
             took_ms
         })
         .collect();
@@ -509,18 +510,18 @@ pub fn silence(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict
 }
 
 fn stopped_after(chip: &mut EmulatedChip, moving_ms: u32) -> u32 {
-    let mut order = None;
+    let mut command = None;
     for range_mm in [900, 1_000, 1_100, 1_200] {
-        order = order.or_else(|| ring(chip, range_mm));
+        command = command.or_else(|| ring(chip, range_mm));
     }
-    let order = order.expect("a motion");
+    let command = command.expect("a motion");
     let until_ms = chip.at_ms() + moving_ms;
     let mut heard_ms = None;
     while heard_ms.is_none() || chip.at_ms() < until_ms {
         std::thread::sleep(Duration::from_millis(u64::from(moving_ms % 50)));
-        let said = chip.ask(&ToMind::Odometry {
+        let said = chip.ask(&HostMessage::Odometry {
             at_ms: chip.at_ms(),
-            motion: order.id,
+            motion: command.id,
             dx_mm: 0,
             dy_mm: 0,
             turned: 0,
@@ -528,8 +529,8 @@ fn stopped_after(chip: &mut EmulatedChip, moving_ms: u32) -> u32 {
         });
         heard_ms = said.last().map(|report| report.device_ms);
     }
-    let (why, stopped_ms) = chip.wait(|_, report| match report.said {
-        FromMind::Mode(ModeReport::Stopped(why)) => Some((why, report.device_ms)),
+    let (why, stopped_ms) = chip.wait(|_, report| match report.message {
+        DeviceMessage::Mode(ModeReport::Stopped(why)) => Some((why, report.device_ms)),
         _ => None,
     });
     assert_eq!(why, StopReason::LinkLost, "after {moving_ms} ms");

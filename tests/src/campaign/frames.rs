@@ -7,7 +7,7 @@
 use super::mutate::FrameDamage;
 use super::{CampaignVerdict, Progress, below, generator, grouped, parts};
 use amp::wire::frame::{FrameError, unpack};
-use amp::wire::{Receiver, Report, ToMind};
+use amp::wire::{HostMessage, Receiver, Report};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 use sim::statistics::{poisson_interval, poisson_tail};
@@ -23,17 +23,17 @@ const PROTOCOL: &str = include_str!("../../../shared/PROTOCOL.md");
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Example {
     pub(super) bytes: Vec<u8>,
-    pub(super) to_mind: bool,
+    pub(super) to_device: bool,
 }
 
 /// The examples of PROTOCOL.md.
 pub(super) fn examples() -> Vec<Example> {
     let block = PROTOCOL.split("```hex\n").nth(1).unwrap_or_default();
     let mut examples = Vec::new();
-    let mut to_mind = true;
+    let mut to_device = true;
     for line in block.lines().take_while(|line| !line.starts_with("```")) {
         if line.contains(',') {
-            to_mind = line.starts_with("to mind");
+            to_device = line.starts_with("to device");
             continue;
         }
         let bytes = line
@@ -41,7 +41,7 @@ pub(super) fn examples() -> Vec<Example> {
             .filter_map(|byte| u8::from_str_radix(byte, 16).ok());
         let mut bytes: Vec<_> = bytes.collect();
         bytes.pop();
-        examples.push(Example { bytes, to_mind });
+        examples.push(Example { bytes, to_device });
     }
     examples
 }
@@ -121,21 +121,21 @@ fn damage(examples: &[Example], random: &mut Xoshiro256PlusPlus, count: u64) -> 
         if frame == one.bytes {
             tally.unharmed += 1;
         } else {
-            receive(&frame, one.to_mind, examples, tally);
+            receive(&frame, one.to_device, examples, tally);
         }
     }
     tallies
 }
 
-fn receive(bytes: &[u8], to_mind: bool, examples: &[Example], tally: &mut FrameCounts) {
+fn receive(bytes: &[u8], to_device: bool, examples: &[Example], tally: &mut FrameCounts) {
     let mut receiver = Receiver::new();
     for &byte in bytes.iter().chain(&[0]) {
         let Some(piece) = receiver.push(byte) else {
             continue;
         };
         tally.pieces += 1;
-        let error = if to_mind {
-            unpack::<ToMind<16>>(piece).err()
+        let error = if to_device {
+            unpack::<HostMessage<16>>(piece).err()
         } else {
             unpack::<Report<16>>(piece).err()
         };
@@ -222,16 +222,16 @@ mod tests {
     fn the_examples_are_sound_frames_of_both_directions() {
         let examples = examples();
         assert!(examples.len() > 30);
-        assert!(examples.iter().any(|example| !example.to_mind));
+        assert!(examples.iter().any(|example| !example.to_device));
         let mut tally = FrameCounts::default();
         for example in &examples {
-            receive(&example.bytes, example.to_mind, &examples, &mut tally);
+            receive(&example.bytes, example.to_device, &examples, &mut tally);
         }
         let all = examples.len() as u64;
         assert_eq!((tally.pieces, tally.sound), (all, all));
         // Without the examples for comparison each would be an error.
         let example = &examples[0];
-        receive(&example.bytes, example.to_mind, &[], &mut tally);
+        receive(&example.bytes, example.to_device, &[], &mut tally);
         assert_eq!(tally.wrong, 1);
     }
 

@@ -4,7 +4,7 @@
 //! [`amp::link`]. A bookkeeper with 64-bit numbers knows the right result of each frame. Clocks
 //! and sequence numbers overflow.
 
-use super::bench::{Clocks, Ready, SESSION, coded, command, numbered, scan};
+use super::bench::{Clocks, Ready, SESSION, coded, command_message, numbered, scan};
 use super::channel::{Arrival, FaultRates, LossyChannel};
 use super::{CampaignVerdict, Progress, below, generator, grouped, parts};
 use amp::controller::{Mode, Progress as Way, StopReason};
@@ -12,7 +12,9 @@ use amp::link::{FrameVerdict as Judged, Link};
 use amp::node::FrameSink;
 use amp::units::Millis;
 use amp::wire::frame::{Header, unpack};
-use amp::wire::message::{Clock, FromMind, GoalBy, MotionOrder, Order, Report, ToMind};
+use amp::wire::message::{
+    Clock, DeviceMessage, GoalSpec, HostMessage, MotionCommand, Report, RobotCommand,
+};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
@@ -122,7 +124,7 @@ pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
 struct LinkRun {
     mind: Ready,
     base: LinkBase,
-    to_mind: LossyChannel,
+    to_device: LossyChannel,
     to_base: LossyChannel,
     random: Xoshiro256PlusPlus,
     book: Bookkeeper,
@@ -169,7 +171,7 @@ impl LinkRun {
         Self {
             mind: Ready::new(seed.wrapping_add(part), CLOCKS),
             base: LinkBase::new(OLDEST_MS),
-            to_mind: LossyChannel::new(BAD, seed, 3 * part),
+            to_device: LossyChannel::new(BAD, seed, 3 * part),
             to_base: LossyChannel::new(BAD, seed, 3 * part + 1),
             random: generator(seed, 3 * part + 2),
             book: Bookkeeper::default(),
@@ -182,17 +184,17 @@ impl LinkRun {
 
     fn run(mut self) -> Bookkeeper {
         let before = *self.mind.node.counters();
-        while self.to_mind.sent() < self.size
-            || !self.to_mind.is_empty()
+        while self.to_device.sent() < self.size
+            || !self.to_device.is_empty()
             || !self.to_base.is_empty()
         {
             self.mind.now_ms += 1;
             self.advance_1_ms();
         }
         let counters = *self.mind.node.counters();
-        self.book.sent = self.to_mind.sent();
-        self.book.lost = self.to_mind.lost();
-        self.book.repeated = self.to_mind.repeated();
+        self.book.sent = self.to_device.sent();
+        self.book.lost = self.to_device.lost();
+        self.book.repeated = self.to_device.repeated();
         self.book.said = self.to_base.sent();
         self.book.overtaken = count(&self.came, |came| came == [true, false]);
         self.book.accepted = [
@@ -208,13 +210,13 @@ impl LinkRun {
     /// Advances by one millisecond.
     fn advance_1_ms(&mut self) {
         let now_ms = self.mind.now_ms;
-        if now_ms.is_multiple_of(EVERY_MS) && self.to_mind.sent() < self.size {
+        if now_ms.is_multiple_of(EVERY_MS) && self.to_device.sent() < self.size {
             let message = self.message();
             self.mind.seq = self.mind.seq.wrapping_add(1);
-            self.to_mind
+            self.to_device
                 .send(now_ms, &numbered(self.mind.seq, &message));
         }
-        while let Some(come) = self.to_mind.next_arrival(now_ms) {
+        while let Some(come) = self.to_device.next_arrival(now_ms) {
             self.deliver(&come);
         }
         if now_ms.is_multiple_of(TICK_MS) {
@@ -231,22 +233,22 @@ impl LinkRun {
         self.base.advance_1_ms(now_ms);
     }
 
-    fn message(&mut self) -> ToMind<16> {
+    fn message(&mut self) -> HostMessage<16> {
         let at_ms = self.mind.host_ms();
         let random = &mut self.random;
         match below(random, 100) {
             0..45 => scan(at_ms, 500 + below(random, 1_000) as u16),
             45..85 => self.base.report(at_ms),
-            85..92 => ToMind::Alive { at_ms },
+            85..92 => HostMessage::Alive { at_ms },
             _ => {
-                let order = match below(random, 20) {
-                    0..7 => Order::Seek,
-                    7..14 => Order::Resume,
-                    14..18 => Order::Stop,
-                    _ => Order::Goal(GoalBy::Avoid),
+                let command = match below(random, 20) {
+                    0..7 => RobotCommand::Seek,
+                    7..14 => RobotCommand::Resume,
+                    14..18 => RobotCommand::Stop,
+                    _ => RobotCommand::Goal(GoalSpec::Avoid),
                 };
                 // Some times to live are shorter than a slow frame's delay.
-                command(at_ms, 20 + below(random, 60) as u16, order)
+                command_message(at_ms, 20 + below(random, 60) as u16, command)
             }
         }
     }
@@ -254,9 +256,11 @@ impl LinkRun {
     /// Delivers a frame to the controller, and compares the effect with the expected one.
     fn deliver(&mut self, come: &Arrival) {
         let is_new = self.latest.is_none_or(|latest| come.number > latest);
-        let message = unpack::<ToMind<16>>(coded(&come.bytes)).map(|(_, message)| message);
+        let message = unpack::<HostMessage<16>>(coded(&come.bytes)).map(|(_, message)| message);
         let (ttl_ms, is_stop) = match message {
-            Ok(ToMind::Command { ttl_ms, order, .. }) => (Some(ttl_ms), order == Order::Stop),
+            Ok(HostMessage::Command {
+                ttl_ms, command, ..
+            }) => (Some(ttl_ms), command == RobotCommand::Stop),
             _ => (None, false),
         };
         let mut may_act = is_new || is_stop;
@@ -316,7 +320,7 @@ pub(super) struct LinkBase {
     /// Greatest true age of an executed motion, ms.
     oldest_ms: u64,
     link: Option<Link>,
-    order: Option<MotionOrder>,
+    command: Option<MotionCommand>,
     /// End of the motion unless it is renewed, ms.
     until_ms: u64,
     /// Executed and not yet reported, µm; the whole motion, µm.
@@ -348,7 +352,7 @@ impl LinkBase {
             last + i64::from(header.seq.wrapping_sub(last as u16) as i16)
         });
         self.numbers.push(number);
-        if matches!(report.said, FromMind::Motion(order) if is_stop(order)) {
+        if matches!(report.message, DeviceMessage::Motion(command) if is_stop(command)) {
             self.latest_stop = self.latest_stop.max(number);
         }
     }
@@ -368,15 +372,15 @@ impl LinkBase {
         let true_age_ms = now_ms - come.sent_ms;
         let link = self.link.get_or_insert_with(|| opened(header));
         if link.accept(header) != Judged::Accept {
-            book.refused += u64::from(matches!(report.said, FromMind::Motion(_)));
+            book.refused += u64::from(matches!(report.message, DeviceMessage::Motion(_)));
             return;
         }
         link.heard(said, here);
         let age_ms = link.age_ms(said, here);
-        let FromMind::Motion(order) = report.said else {
+        let DeviceMessage::Motion(command) = report.message else {
             return;
         };
-        if age_ms > u32::from(order.ttl_ms) {
+        if age_ms > u32::from(command.ttl_ms) {
             book.aged += 1;
             return;
         }
@@ -384,22 +388,22 @@ impl LinkBase {
         let is_late = self.latest.is_some_and(|latest| number <= latest);
         book.stale += u64::from(is_late || true_age_ms > self.oldest_ms);
         book.executed += 1;
-        book.taken_back += u64::from(!is_stop(order) && number < self.latest_stop);
+        book.taken_back += u64::from(!is_stop(command) && number < self.latest_stop);
         book.oldest_ms = book.oldest_ms.max(true_age_ms);
         self.latest = Some(number);
-        let left_ms = u64::from(order.ttl_ms) - u64::from(age_ms);
-        self.execute(order, now_ms + left_ms);
+        let left_ms = u64::from(command.ttl_ms) - u64::from(age_ms);
+        self.execute(command, now_ms + left_ms);
     }
 
-    fn execute(&mut self, order: MotionOrder, until_ms: u64) {
+    fn execute(&mut self, command: MotionCommand, until_ms: u64) {
         let is_renewal = self
-            .order
-            .is_some_and(|old| (old.id, old.revision) == (order.id, order.revision));
+            .command
+            .is_some_and(|old| (old.id, old.revision) == (command.id, command.revision));
         if !is_renewal {
             self.executed_um = 0;
             self.unreported_um = 0;
         }
-        self.order = Some(order);
+        self.command = Some(command);
         self.until_ms = until_ms;
     }
 
@@ -412,23 +416,23 @@ impl LinkBase {
     }
 
     fn is_moving(&self, now_ms: u64) -> bool {
-        self.order.is_some_and(|order| {
-            let way_um = 1_000 * u64::from(order.motion().displacement.length_mm());
+        self.command.is_some_and(|command| {
+            let way_um = 1_000 * u64::from(command.motion().displacement.length_mm());
             now_ms < self.until_ms && self.executed_um < way_um
         })
     }
 
     /// Its motion since the last report.
-    pub(super) fn report(&mut self, at_ms: u32) -> ToMind<16> {
-        let order = self.order;
+    pub(super) fn report(&mut self, at_ms: u32) -> HostMessage<16> {
+        let command = self.command;
         let moved_mm = (self.unreported_um / 1_000) as u16;
         self.unreported_um %= 1_000;
-        let moved = order.map(|order| order.motion().displacement.with_length(moved_mm));
-        let way_mm = order.map_or(0, |order| order.motion().displacement.length_mm());
+        let moved = command.map(|command| command.motion().displacement.with_length(moved_mm));
+        let way_mm = command.map_or(0, |command| command.motion().displacement.length_mm());
         let is_done = self.executed_um >= 1_000 * u64::from(way_mm);
-        ToMind::Odometry {
+        HostMessage::Odometry {
             at_ms,
-            motion: order.map_or(0, |order| order.id),
+            motion: command.map_or(0, |command| command.id),
             dx_mm: moved.map_or(0, |moved| moved.dx_mm),
             dy_mm: moved.map_or(0, |moved| moved.dy_mm),
             turned: 0,
@@ -437,8 +441,8 @@ impl LinkBase {
     }
 }
 
-const fn is_stop(order: MotionOrder) -> bool {
-    order.dx_mm == 0 && order.dy_mm == 0
+const fn is_stop(command: MotionCommand) -> bool {
+    command.dx_mm == 0 && command.dy_mm == 0
 }
 
 /// The link of a base after its first frame.

@@ -11,7 +11,7 @@ use super::{CampaignVerdict, Progress, below, generator, grouped, parts};
 use crate::chip::packed;
 use amp::wire::Receiver;
 use amp::wire::frame::{Header, unpack};
-use amp::wire::message::{FromMind, Heard, Report, ToMind};
+use amp::wire::message::{DeviceMessage, HostMessage, Report, TimedEcho};
 use arena::sonar::FIRING_ORDER;
 use arena::world::{Point, Pose, Shape, World};
 use firmware::control::Control;
@@ -309,7 +309,7 @@ impl<'a> SilenceScene<'a> {
         self.host_is_there = true;
     }
 
-    fn say(&mut self, message: impl FnOnce(u32) -> ToMind<16>) {
+    fn say(&mut self, message: impl FnOnce(u32) -> HostMessage<16>) {
         self.seq = self.seq.wrapping_add(1);
         let message = message(CLOCKS.host(self.now_ms));
         let header = Header {
@@ -336,13 +336,13 @@ impl<'a> SilenceScene<'a> {
         if self.now_ms.is_multiple_of(ECHO_MS) {
             let sensor = FIRING_ORDER[self.slot % FIRING_ORDER.len()] as u8;
             self.slot += 1;
-            let heard = Heard {
+            let heard = TimedEcho {
                 sensor,
                 range_mm: Some(900 + 20 * u16::from(sensor)),
                 age_ms: 0,
             };
             let echoes = core::iter::once(heard).collect();
-            self.say(|at_ms| ToMind::Scan { at_ms, echoes });
+            self.say(|at_ms| HostMessage::Scan { at_ms, echoes });
         }
         if self.now_ms.is_multiple_of(REPORT_MS) {
             let report = self.wheels.report(CLOCKS.host(self.now_ms));
@@ -374,7 +374,7 @@ impl<'a> SilenceScene<'a> {
             if self.base_hears
                 && let Some(frame) = self.receiver.push(byte)
                 && let Ok((_, report)) = unpack::<Report<16>>(frame)
-                && let FromMind::Motion(order) = report.said
+                && let DeviceMessage::Motion(order) = report.message
             {
                 self.wheels.execute(order, self.now_ms);
             }

@@ -1,7 +1,7 @@
 //! The base of the campaigns: the simulated Nomad 200, which executes motions with times to live.
 
 use amp::units::Displacement;
-use amp::wire::message::{MotionOrder, ToMind};
+use amp::wire::message::{HostMessage, MotionCommand};
 use amp::{controller::Progress, units::Bearing};
 use arena::noise::Noise;
 use arena::robot::{Base, BaseLimits, BaseMotion, TurretMode};
@@ -18,7 +18,7 @@ pub(super) struct Wheels<'a> {
     world: &'a World,
     base: Base,
     noise: Noise,
-    order: Option<MotionOrder>,
+    command: Option<MotionCommand>,
     /// End of the motion unless it is renewed, ms.
     until_ms: u64,
     /// The motion has not ended.
@@ -40,7 +40,7 @@ impl<'a> Wheels<'a> {
             reported: base.odometry(),
             base,
             noise: Noise::new(seed),
-            order: None,
+            command: None,
             until_ms: 0,
             under_way: false,
             way_m: 0.0,
@@ -49,31 +49,31 @@ impl<'a> Wheels<'a> {
 
     /// Executes a motion: a new one, a shortened one, or the same again, which renews its time to
     /// live.
-    pub(super) fn execute(&mut self, order: MotionOrder, now_ms: u64) {
-        self.until_ms = now_ms + u64::from(order.ttl_ms);
-        let mark = |order: MotionOrder| (order.id, order.revision);
-        if self.order.map(mark) == Some(mark(order)) {
+    pub(super) fn execute(&mut self, command: MotionCommand, now_ms: u64) {
+        self.until_ms = now_ms + u64::from(command.ttl_ms);
+        let mark = |command: MotionCommand| (command.id, command.revision);
+        if self.command.map(mark) == Some(mark(command)) {
             return;
         }
-        self.order = Some(order);
-        self.set_off(order, 1e-3);
+        self.command = Some(command);
+        self.set_off(command, 1e-3);
         self.under_way = true;
     }
 
     /// Extends the present motion without end: only a stop or its time to live ends it.
     pub(super) fn extend_without_end(&mut self) {
-        if let Some(order) = self.order.filter(|_| self.is_ordered()) {
-            let length_mm = f64::from(order.motion().displacement.length_mm());
-            self.set_off(order, FAR_M / length_mm.max(1.0));
+        if let Some(command) = self.command.filter(|_| self.is_ordered()) {
+            let length_mm = f64::from(command.motion().displacement.length_mm());
+            self.set_off(command, FAR_M / length_mm.max(1.0));
         }
     }
 
     /// Starts a motion, with `scale` meters per millimeter of the command.
-    fn set_off(&mut self, order: MotionOrder, scale: f64) {
+    fn set_off(&mut self, command: MotionCommand, scale: f64) {
         self.command(BaseMotion {
-            dx_m: f64::from(order.dx_mm) * scale,
-            dy_m: f64::from(order.dy_mm) * scale,
-            speed_m_s: f64::from(order.speed_mm_s) / 1e3,
+            dx_m: f64::from(command.dx_mm) * scale,
+            dy_m: f64::from(command.dy_mm) * scale,
+            speed_m_s: f64::from(command.speed_mm_s) / 1e3,
         });
     }
 
@@ -95,8 +95,8 @@ impl<'a> Wheels<'a> {
 
     /// Whether it has a motion that has neither ended nor expired.
     pub(super) fn is_ordered(&self) -> bool {
-        let moves = |order: MotionOrder| (order.dx_mm, order.dy_mm) != (0, 0);
-        self.under_way && self.order.is_some_and(moves) && self.base.is_moving()
+        let moves = |command: MotionCommand| (command.dx_mm, command.dy_mm) != (0, 0);
+        self.under_way && self.command.is_some_and(moves) && self.base.is_moving()
     }
 
     /// Whether the wheels turn or roll.
@@ -110,7 +110,7 @@ impl<'a> Wheels<'a> {
     }
 
     /// Its motion since the last report.
-    pub(super) fn report(&mut self, at_ms: u32) -> ToMind<16> {
+    pub(super) fn report(&mut self, at_ms: u32) -> HostMessage<16> {
         let way = (self.base.odometry() - self.reported) * 1e3;
         let moved = Displacement::saturating(libm::rint(way.x) as i32, libm::rint(way.y) as i32);
         let [dx, dy] = [moved.dx_mm, moved.dy_mm].map(f64::from);
@@ -121,9 +121,9 @@ impl<'a> Wheels<'a> {
             (false, _) => Progress::Ended,
         };
         self.under_way &= progress != Progress::Ended;
-        ToMind::Odometry {
+        HostMessage::Odometry {
             at_ms,
-            motion: self.order.map_or(0, |order| order.id),
+            motion: self.command.map_or(0, |order| order.id),
             dx_mm: moved.dx_mm,
             dy_mm: moved.dy_mm,
             turned: Bearing::ZERO.as_turns(),

@@ -107,7 +107,7 @@ pub enum Unit {
     M,
     /// Centimeters
     Cm,
-    /// Millimetres
+    /// Millimeters
     Mm,
     /// Inches
     In,

@@ -110,7 +110,7 @@ fn most_lateral(observed: &[ObservedDecision]) -> Option<usize> {
     };
     let decisions = observed.iter().enumerate();
     decisions
-        .filter(|(_, now)| now.plan.why == Why::Neighbour && to_the_left(now) > 0)
+        .filter(|(_, now)| now.plan.why == Why::Neighbor && to_the_left(now) > 0)
         .max_by_key(|(i, now)| (to_the_left(now), std::cmp::Reverse(*i)))
         .map(|(i, _)| i)
 }
@@ -148,7 +148,7 @@ fn figure(
         neurons: [
             plan.goal_neuron,
             plan.current_neuron,
-            plan.intermediate_neuron,
+            plan.subgoal_neuron,
             plan.action_neuron,
         ]
         .map(usize::from),

@@ -76,8 +76,8 @@ impl Pilot for ObservedController {
             self.observed.push(ObservedDecision {
                 situation: decision.situation,
                 plan,
-                aim: code(plan.intermediate_neuron),
-                aim_is_nearer: away(plan.intermediate_neuron) < now,
+                aim: code(plan.subgoal_neuron),
+                aim_is_nearer: away(plan.subgoal_neuron) < now,
                 neuron_meets_goal: now == 0,
             });
             if self.observed.len() == self.keep_after {

@@ -56,12 +56,12 @@ impl Plans {
             }
             stretch += 1;
             plans.unmet += 1;
-            let neighbor = now.plan.why == Why::Neighbour;
+            let neighbor = now.plan.why == Why::Neighbor;
             plans.neighbor += u32::from(neighbor);
             plans.nearer_neighbor += u32::from(neighbor && now.aim_is_nearer);
             let there = now.plan.why == Why::GoalNeuron || now.neuron_meets_goal;
             plans.at_goal_neuron += u32::from(!neighbor && there);
-            let lost = now.plan.why == Why::NoNearerNeighbour;
+            let lost = now.plan.why == Why::NoNearerNeighbor;
             plans.no_nearer += u32::from(lost && !there);
             if let Some(next) = observed.get(i + 1) {
                 plans.follow(now, next);
@@ -82,8 +82,8 @@ impl Plans {
     }
 
     fn follow(&mut self, now: &ObservedDecision, next: &ObservedDecision) {
-        if now.plan.why == Why::Neighbour {
-            let there = next.plan.current_neuron == now.plan.intermediate_neuron;
+        if now.plan.why == Why::Neighbor {
+            let there = next.plan.current_neuron == now.plan.subgoal_neuron;
             self.at_aim += u32::from(there);
         }
         let changed = change(&next.situation, &now.situation);
@@ -219,7 +219,7 @@ mod tests {
             plan: Plan {
                 goal_neuron: 0,
                 current_neuron: 3,
-                intermediate_neuron: 2,
+                subgoal_neuron: 2,
                 wanted: all(-0.5),
                 action_neuron: 0,
                 at_goal,
@@ -236,10 +236,10 @@ mod tests {
     #[test]
     fn stretches_and_aims_are_counted() {
         let episode = [
-            observed(0.75, false, Why::Neighbour),
-            observed(0.5, false, Why::NoNearerNeighbour),
+            observed(0.75, false, Why::Neighbor),
+            observed(0.5, false, Why::NoNearerNeighbor),
             observed(0.0, true, Why::KeepCourse),
-            observed(0.25, false, Why::Neighbour),
+            observed(0.25, false, Why::Neighbor),
             observed(0.5, false, Why::GoalNeuron),
         ];
         let plans = Plans::of(&episode);

@@ -4,7 +4,8 @@ use amp::controller::{self, Decision};
 use amp::goal::Name;
 use amp::units::Displacement;
 use amp::wire::message::{
-    FromMind, MindHello, ModeReport, MotionOrder, Notice, Oscillator, Refusal, Report, ResetCause,
+    DeviceHello, DeviceMessage, LogEvent, ModeReport, MotionCommand, Oscillator, Refusal, Report,
+    ResetCause,
 };
 use sim::error::stop_reason;
 
@@ -44,28 +45,28 @@ pub fn refusal(why: Refusal) -> String {
         Refusal::Expired { age_ms } => format!("the command came {age_ms} ms too late"),
         Refusal::Command(why) => command(why),
         Refusal::Parameter(why) => why.to_string(),
-        Refusal::Piece(why) => why.to_string(),
+        Refusal::Transfer(why) => why.to_string(),
         Refusal::Config => "the bytes are not a valid configuration".into(),
         Refusal::Moving => {
             "not while the robot explores, learns or seeks (`host-sim link … stop`)".into()
         }
         Refusal::NoRing => "it has no sonars of its own, or uses the host's clock".into(),
-        Refusal::NothingPerceived => "some sonars have not reported yet".into(),
+        Refusal::NoSituation => "some sonars have not reported yet".into(),
         Refusal::Flash(why) => why.to_string(),
         Refusal::NoSuchGoal => "it has no goal of this name (`host-sim link … goals`)".into(),
-        Refusal::GoalName => "it has 8 goals already: drop one first".into(),
+        Refusal::InvalidGoalName => "it has 8 goals already: drop one first".into(),
     }
 }
 
 fn command(why: controller::CommandRefusal) -> String {
     match why {
-        controller::CommandRefusal::Moves { most } => {
-            format!("it takes from 1 to {most} random moves")
+        controller::CommandRefusal::InvalidMoveCount { max } => {
+            format!("it takes from 1 to {max} random moves")
         }
         controller::CommandRefusal::NoSamples => {
             "there is nothing to learn from: explore first, or push a memory".into()
         }
-        controller::CommandRefusal::NotLearnt => {
+        controller::CommandRefusal::NotLearned => {
             "it has not learned yet: learn first, or push maps".into()
         }
         controller::CommandRefusal::NothingToResume => "there is nothing to resume".into(),
@@ -75,20 +76,22 @@ fn command(why: controller::CommandRefusal) -> String {
 /// A report as one line: the controller's time, kind and content.
 #[must_use]
 pub fn describe(report: &Report<16>) -> String {
-    let (kind, text) = match &report.said {
-        FromMind::Hello(controller) => ("hello", hello(controller)),
-        FromMind::Motion(order) => ("motion", motion(order)),
-        FromMind::Decision(taken) => ("decision", decision(taken)),
-        FromMind::Mode(state) => ("mode", mode(*state)),
-        FromMind::Counters(counted) => (
+    let (kind, text) = match &report.message {
+        DeviceMessage::Hello(controller) => ("hello", hello(controller)),
+        DeviceMessage::Motion(command) => ("motion", motion(command)),
+        DeviceMessage::Decision(taken) => ("decision", decision(taken)),
+        DeviceMessage::Mode(state) => ("mode", mode(*state)),
+        DeviceMessage::Counters(counted) => (
             "counters",
             format!(
                 "{} frames accepted, {} sent",
                 counted.accepted, counted.sent
             ),
         ),
-        FromMind::Refusal { seq, why } => ("refusal", format!("of frame {seq}: {}", refusal(*why))),
-        FromMind::Piece {
+        DeviceMessage::Refusal { seq, reason } => {
+            ("refusal", format!("of frame {seq}: {}", refusal(*reason)))
+        }
+        DeviceMessage::Chunk {
             part,
             offset,
             total,
@@ -97,7 +100,7 @@ pub fn describe(report: &Report<16>) -> String {
             "piece",
             format!("{part:?}, {} bytes from {offset} of {total}", bytes.len()),
         ),
-        FromMind::Parameter {
+        DeviceMessage::Parameter {
             parameter,
             value,
             spec,
@@ -105,31 +108,33 @@ pub fn describe(report: &Report<16>) -> String {
             "parameter",
             format!("{} = {value} {}", parameter.name(), spec.unit),
         ),
-        FromMind::Log(Notice::LinkLost) => ("log", "no message came from the host".into()),
-        FromMind::Log(Notice::FramesDropped { count }) => {
+        DeviceMessage::Log(LogEvent::LinkLost) => ("log", "no message came from the host".into()),
+        DeviceMessage::Log(LogEvent::FramesDropped { count }) => {
             ("log", format!("{count} frames dropped so far"))
         }
-        FromMind::Log(Notice::Disbelieved { sensor, fault }) => (
+        DeviceMessage::Log(LogEvent::SensorDisabled { sensor, fault }) => (
             "log",
             format!("sonar {sensor} is disabled: {fault:?}").to_lowercase(),
         ),
-        FromMind::Log(Notice::Believed { sensor }) => {
+        DeviceMessage::Log(LogEvent::SensorEnabled { sensor }) => {
             ("log", format!("sonar {sensor} is enabled again"))
         }
-        FromMind::Log(Notice::StaleEcho { age_ms }) => (
+        DeviceMessage::Log(LogEvent::StaleEcho { age_ms }) => (
             "log",
             format!("an echo was {age_ms} ms old and was ignored"),
         ),
-        FromMind::Done { seq } => ("done", format!("frame {seq}")),
-        FromMind::Busy { ms } => ("busy", format!("for at most {ms} ms")),
-        FromMind::Goal { name, .. } if *name == Name::NONE => ("goal", "the current one".into()),
-        FromMind::Goal { name, .. } => ("goal", name.as_str().to_owned()),
+        DeviceMessage::Done { seq } => ("done", format!("frame {seq}")),
+        DeviceMessage::Busy { ms } => ("busy", format!("for at most {ms} ms")),
+        DeviceMessage::Goal { name, .. } if *name == Name::NONE => {
+            ("goal", "the current one".into())
+        }
+        DeviceMessage::Goal { name, .. } => ("goal", name.as_str().to_owned()),
     };
     let time_s = f64::from(report.device_ms) / 1e3;
     format!("{time_s:10.3} s  {kind:<9}  {}", text.trim_end())
 }
 
-fn hello(controller: &MindHello) -> String {
+fn hello(controller: &DeviceHello) -> String {
     format!(
         "build {}, started because {}; config {:08x}, maps {:08x}, memory {:08x}",
         build(&controller.build),
@@ -154,17 +159,17 @@ fn vector(way: Displacement) -> String {
     format!("({:+}, {:+}) mm", way.dx_mm, way.dy_mm)
 }
 
-fn motion(order: &MotionOrder) -> String {
-    let (id, revision) = (order.id, order.revision);
-    let way = order.motion().displacement;
+fn motion(command: &MotionCommand) -> String {
+    let (id, revision) = (command.id, command.revision);
+    let way = command.motion().displacement;
     if way == Displacement::ZERO {
         return format!("{id}.{revision}  stop");
     }
     format!(
         "{id}.{revision}  {} at {} mm/s for at most {} ms",
         vector(way),
-        order.speed_mm_s,
-        order.ttl_ms
+        command.speed_mm_s,
+        command.ttl_ms
     )
 }
 
@@ -174,7 +179,7 @@ fn decision(taken: &Decision<16>) -> String {
         Some(plan) => format!(
             "situation {} → {} → goal {}, action {} ({})",
             plan.current_neuron,
-            plan.intermediate_neuron,
+            plan.subgoal_neuron,
             plan.goal_neuron,
             plan.action_neuron,
             plan.why

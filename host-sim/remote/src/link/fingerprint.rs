@@ -2,7 +2,7 @@
 
 use super::{InProcessNode, LinkError, Session};
 use amp::config::Config;
-use amp::wire::message::{Clock, MindHello};
+use amp::wire::message::{Clock, DeviceHello};
 
 /// Checksums of a controller's configuration and knowledge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,8 +15,8 @@ pub struct Fingerprint {
     pub memory_crc: u32,
 }
 
-impl From<&MindHello> for Fingerprint {
-    fn from(hello: &MindHello) -> Self {
+impl From<&DeviceHello> for Fingerprint {
+    fn from(hello: &DeviceHello) -> Self {
         Self {
             config_crc: hello.config_crc,
             maps_crc: hello.maps_crc,

@@ -7,18 +7,20 @@ use amp::goal::{Goal, Name, NamedGoal, NamedGoals};
 use amp::node::MAX_CONFIG;
 use amp::som::Grid;
 use amp::store::{Contents, ContentsMut};
-use amp::wire::message::{Clock, FromMind, GoalBy, ModeReport, Order, Part, Refusal};
-use amp::wire::{CRC, ToMind};
+use amp::wire::message::{
+    Clock, DeviceMessage, GoalSpec, ModeReport, Refusal, RobotCommand, TransferPart,
+};
+use amp::wire::{CRC, HostMessage};
 use files::error::BadInput;
 use sim::pilot::SimState;
 use std::path::Path;
 
 /// The parts of the state, in the order of reading.
-const PARTS: [(Part, StatePart); 4] = [
-    (Part::Situations, StatePart::Situations),
-    (Part::Changes, StatePart::Changes),
-    (Part::Actions, StatePart::Actions),
-    (Part::Memory, StatePart::Memory),
+const PARTS: [(TransferPart, StatePart); 4] = [
+    (TransferPart::Situations, StatePart::Situations),
+    (TransferPart::Changes, StatePart::Changes),
+    (TransferPart::Actions, StatePart::Actions),
+    (TransferPart::Memory, StatePart::Memory),
 ];
 
 /// Maximum file size, bytes; an image has at most 117 KiB.
@@ -33,7 +35,7 @@ pub struct Knowledge {
     config: Config<16>,
     state: Box<SimState>,
     goal: Goal<16>,
-    kept: NamedGoals<16>,
+    goals: NamedGoals<16>,
 }
 
 impl Knowledge {
@@ -46,7 +48,7 @@ impl Knowledge {
     fn new(config: Config<16>, state: SimState) -> Self {
         Self {
             goal: Goal::avoiding(&config),
-            kept: NamedGoals::new(),
+            goals: NamedGoals::new(),
             state: Box::new(state),
             config,
         }
@@ -59,14 +61,14 @@ impl Knowledge {
     pub fn download(session: &mut Session) -> Result<Self, LinkError> {
         require_idle(session)?;
         let mut knowledge = Self::read(session)?;
-        for report in session.query(&ToMind::Goals)? {
-            let FromMind::Goal { name, goal } = report.said else {
+        for report in session.query(&HostMessage::ListGoals)? {
+            let DeviceMessage::Goal { name, goal } = report.message else {
                 continue;
             };
             if name == Name::NONE {
                 knowledge.goal = goal;
             } else {
-                let kept = knowledge.kept.save(NamedGoal { name, goal });
+                let kept = knowledge.goals.save(NamedGoal { name, goal });
                 kept.map_err(|_| LinkError::Mismatch { what: "goals" })?;
             }
         }
@@ -75,7 +77,7 @@ impl Knowledge {
 
     /// Reads everything but the goals, in any mode.
     pub fn read(session: &mut Session) -> Result<Self, LinkError> {
-        let config = session.read_part(Part::Config)?;
+        let config = session.read_part(TransferPart::Config)?;
         let config = Config::from_bytes(&config).ok_or(LinkError::Refused(Refusal::Config))?;
         let mut parts = Vec::new();
         for (part, ours) in PARTS {
@@ -92,7 +94,7 @@ impl Knowledge {
                 continue;
             }
             let written = state.write_part(part, 0, &bytes);
-            written.map_err(|why| LinkError::Refused(Refusal::Piece(why)))?;
+            written.map_err(|why| LinkError::Refused(Refusal::Transfer(why)))?;
             if state.part_len(part) != bytes.len() {
                 return Err(LinkError::Mismatch { what: "maps" });
             }
@@ -106,20 +108,20 @@ impl Knowledge {
     /// [`LinkError`]; a refusal while the robot explores, learns or seeks.
     pub fn upload(&self, session: &mut Session) -> Result<(), LinkError> {
         require_idle(session)?;
-        session.command(session.elapsed_ms(), Order::Forget)?;
+        session.command(session.elapsed_ms(), RobotCommand::Forget)?;
         // The configuration comes last: after a broken transfer the maps still match the old one.
         for (part, ours) in PARTS.into_iter().rev() {
-            if part == Part::Memory || self.state.has_learned() {
+            if part == TransferPart::Memory || self.state.has_learned() {
                 session.write_part(part, &self.part(ours))?;
             }
         }
-        session.write_part(Part::Config, &Self::encode_config(&self.config)?)?;
-        for NamedGoal { name, goal } in self.kept.as_slice() {
-            let goal = Order::Goal(GoalBy::Components(*goal));
+        session.write_part(TransferPart::Config, &Self::encode_config(&self.config)?)?;
+        for NamedGoal { name, goal } in self.goals.as_slice() {
+            let goal = RobotCommand::Goal(GoalSpec::Components(*goal));
             session.command(session.elapsed_ms(), goal)?;
-            session.query(&ToMind::Keep { name: *name })?;
+            session.query(&HostMessage::SaveGoal { name: *name })?;
         }
-        let goal = Order::Goal(GoalBy::Components(self.goal));
+        let goal = RobotCommand::Goal(GoalSpec::Components(self.goal));
         session.command(session.elapsed_ms(), goal)?;
         let hello = session.open(next_number(session.number()), Clock::Device)?;
         match Fingerprint::from(&hello)
@@ -194,7 +196,7 @@ impl Knowledge {
             config: &self.config,
             state: &self.state,
             goal: &self.goal,
-            kept: &self.kept,
+            goals: &self.goals,
         };
         let mut file = Vec::new();
         let Ok(()) = contents.write(GENERATION, &mut |bytes| {
@@ -210,7 +212,7 @@ impl Knowledge {
     /// A clause that says what is wrong.
     pub fn from_bytes(file: &[u8]) -> Result<Self, String> {
         if !file.starts_with(b"AMPS") {
-            return Err("it holds no controller (see `host-sim link --help`, pull)".into());
+            return Err("it holds no controller (see `host-sim link --help`, download)".into());
         }
         let fresh = SimState::new(Grid::rectangle(4, 4));
         let mut knowledge = Self::new(Config::recommended(), fresh);
@@ -218,7 +220,7 @@ impl Knowledge {
             config: &mut knowledge.config,
             state: &mut knowledge.state,
             goal: &mut knowledge.goal,
-            kept: &mut knowledge.kept,
+            goals: &mut knowledge.goals,
         };
         let mut read = |at: usize, out: &mut [u8]| {
             let bytes = file.get(at..at + out.len());

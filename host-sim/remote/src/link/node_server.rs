@@ -78,7 +78,7 @@ impl<const SENSORS: usize> InProcessNode<SENSORS> {
             if let Some(frame) = self.receiver.push(byte) {
                 self.node.frame(self.now, frame, &mut self.outgoing);
                 // A process has no flash.
-                let absent = Err(FlashError::Absent);
+                let absent = Err(FlashError::NoFlash);
                 self.node.flash_done(absent, self.now, &mut self.outgoing);
             }
         }

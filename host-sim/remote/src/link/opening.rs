@@ -1,8 +1,8 @@
 //! Opens a session.
 
 use super::{LinkError, Session};
-use amp::wire::message::{Clock, Dimensions, FromMind, HostHello, MindHello, Refusal};
-use amp::wire::{PROTOCOL, SCHEMA, ToMind};
+use amp::wire::message::{Clock, DeviceHello, DeviceMessage, Dimensions, HostHello, Refusal};
+use amp::wire::{HostMessage, PROTOCOL, SCHEMA};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 /// Protocol and dimensions of this program.
@@ -34,7 +34,7 @@ impl Session {
     ///
     /// # Errors
     /// [`LinkError`]: no answer, an incompatible controller, a broken transport.
-    pub fn open(&mut self, number: u16, clock: Clock) -> Result<MindHello, LinkError> {
+    pub fn open(&mut self, number: u16, clock: Clock) -> Result<DeviceHello, LinkError> {
         let unknown_messages = self.unknown_messages;
         let mut opening = self.begin(number.max(1), clock)?;
         let mut due = 0_u16;
@@ -72,7 +72,7 @@ impl Session {
         self.began = Instant::now();
         // A zero ends any half frame in the controller's receiver.
         self.pending.push(0);
-        self.queue(&ToMind::Hello(HostHello {
+        self.queue(&HostMessage::Hello(HostHello {
             dimensions: LOCAL,
             clock,
             open_space: self.open_space,
@@ -86,11 +86,11 @@ impl Session {
         &mut self,
         opening: &[u8],
         due: &mut u16,
-    ) -> Result<Option<MindHello>, LinkError> {
+    ) -> Result<Option<DeviceHello>, LinkError> {
         let until = Instant::now() + self.retry.timeout;
         while let Some((header, report)) = self.next(until)? {
-            match report.said {
-                FromMind::Hello(hello) if header.session == self.number => {
+            match report.message {
+                DeviceMessage::Hello(hello) if header.session == self.number => {
                     self.controller_seq = Some(header.seq);
                     return match hello.dimensions {
                         LOCAL => Ok(Some(hello)),
@@ -98,12 +98,12 @@ impl Session {
                     };
                 }
                 // The controller has just started, so the frame before was lost.
-                FromMind::Hello(_) if header.session == 0 => {
+                DeviceMessage::Hello(_) if header.session == 0 => {
                     self.send(opening)?;
                     *due = due.saturating_add(1);
                 }
-                FromMind::Refusal {
-                    why: Refusal::Incompatible(theirs),
+                DeviceMessage::Refusal {
+                    reason: Refusal::Incompatible(theirs),
                     ..
                 } => return Err(LinkError::Incompatible(theirs)),
                 // A report that no request caused, such as the loss of the link.

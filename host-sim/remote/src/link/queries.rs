@@ -1,16 +1,16 @@
 //! Requests for parts of a controller: configuration, maps, memory, parameters and counters.
 
 use super::{LinkError, Session};
-use amp::parameters::{Parameter, Spec};
-use amp::wire::ToMind;
-use amp::wire::message::{Counters, FromMind, MAX_PIECE, ModeReport, Part};
+use amp::parameters::{Parameter, ParameterSpec};
+use amp::wire::HostMessage;
+use amp::wire::message::{Counters, DeviceMessage, MAX_CHUNK, ModeReport, TransferPart};
 
 impl Session {
     /// Reads a whole part.
     ///
     /// # Errors
     /// [`LinkError`].
-    pub fn read_part(&mut self, part: Part) -> Result<Vec<u8>, LinkError> {
+    pub fn read_part(&mut self, part: TransferPart) -> Result<Vec<u8>, LinkError> {
         let mut whole = Vec::new();
         loop {
             let (piece, total) = self.read_piece(part, whole.len() as u16)?;
@@ -21,13 +21,17 @@ impl Session {
         }
     }
 
-    fn read_piece(&mut self, wanted: Part, from: u16) -> Result<(Vec<u8>, usize), LinkError> {
-        let message = ToMind::Read {
+    fn read_piece(
+        &mut self,
+        wanted: TransferPart,
+        from: u16,
+    ) -> Result<(Vec<u8>, usize), LinkError> {
+        let message = HostMessage::Read {
             part: wanted,
             offset: from,
         };
         self.find(&message, |said| match said {
-            FromMind::Piece {
+            DeviceMessage::Chunk {
                 part,
                 offset,
                 total,
@@ -41,14 +45,14 @@ impl Session {
     ///
     /// # Errors
     /// [`LinkError`].
-    pub fn write_part(&mut self, part: Part, bytes: &[u8]) -> Result<(), LinkError> {
+    pub fn write_part(&mut self, part: TransferPart, bytes: &[u8]) -> Result<(), LinkError> {
         let mut offset = 0_usize;
         loop {
             let rest = bytes.get(offset..).unwrap_or(&[]);
-            let piece = rest.get(..MAX_PIECE).unwrap_or(rest);
+            let piece = rest.get(..MAX_CHUNK).unwrap_or(rest);
             let end = offset + piece.len();
             let last = end >= bytes.len();
-            let answer = self.request(&ToMind::Write {
+            let answer = self.request(&HostMessage::Write {
                 part,
                 offset: offset as u16,
                 bytes: piece.iter().copied().collect(),
@@ -69,8 +73,8 @@ impl Session {
     /// # Errors
     /// [`LinkError`].
     pub fn counters(&mut self) -> Result<Counters, LinkError> {
-        self.find(&ToMind::Counters, |said| match said {
-            FromMind::Counters(counters) => Some(counters),
+        self.find(&HostMessage::Counters, |said| match said {
+            DeviceMessage::Counters(counters) => Some(counters),
             _ => None,
         })
     }
@@ -80,8 +84,8 @@ impl Session {
     /// # Errors
     /// [`LinkError`].
     pub fn mode(&mut self) -> Result<ModeReport, LinkError> {
-        self.find(&ToMind::Mode, |said| match said {
-            FromMind::Mode(mode) => Some(mode),
+        self.find(&HostMessage::Mode, |said| match said {
+            DeviceMessage::Mode(mode) => Some(mode),
             _ => None,
         })
     }
@@ -94,13 +98,13 @@ impl Session {
         &mut self,
         wanted: Parameter,
         value: Option<i32>,
-    ) -> Result<(i32, Spec), LinkError> {
-        let message = ToMind::Parameter {
+    ) -> Result<(i32, ParameterSpec), LinkError> {
+        let message = HostMessage::Parameter {
             parameter: wanted,
             value,
         };
         self.find(&message, |said| match said {
-            FromMind::Parameter {
+            DeviceMessage::Parameter {
                 parameter,
                 value,
                 spec,
@@ -112,8 +116,8 @@ impl Session {
     /// Repeats a request until a report matches.
     fn find<T>(
         &mut self,
-        message: &ToMind<16>,
-        mut pick: impl FnMut(FromMind<16>) -> Option<T>,
+        message: &HostMessage<16>,
+        mut pick: impl FnMut(DeviceMessage<16>) -> Option<T>,
     ) -> Result<T, LinkError> {
         let mut missing = 1;
         // More often than the request itself is repeated: each time only the report may be lost.
@@ -122,7 +126,7 @@ impl Session {
             if let Some(why) = answer.refusal {
                 return Err(LinkError::Refused(why));
             }
-            let mut said = answer.reports.into_iter().map(|report| report.said);
+            let mut said = answer.reports.into_iter().map(|report| report.message);
             if let Some(found) = said.find_map(&mut pick) {
                 return Ok(found);
             }

@@ -10,9 +10,10 @@ use amp::fixed::Mask;
 use amp::som::Grid;
 use amp::units::{Millis, Range};
 use amp::wire::message::{
-    Clock, FromMind, GoalBy, Heard, ModeReport, MotionOrder, Notice, Order, Part, Refusal, Report,
+    Clock, DeviceMessage, GoalSpec, LogEvent, ModeReport, MotionCommand, Refusal, Report,
+    RobotCommand, TimedEcho, TransferPart,
 };
-use amp::wire::{ToMind, message};
+use amp::wire::{HostMessage, message};
 use sim::error::EpisodeError;
 use sim::pilot::{HeardEcho, InspectableController, Pilot, SimState};
 use std::borrow::BorrowMut;
@@ -94,7 +95,7 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
     pub fn configure(&mut self, config: &Config<16>) -> Result<(), LinkError> {
         let bytes = Knowledge::encode_config(config)?;
         let session = self.session.borrow_mut();
-        session.write_part(Part::Config, &bytes)?;
+        session.write_part(TransferPart::Config, &bytes)?;
         (self.config, self.disabled) = (config.clone(), Mask::NONE);
         Ok(())
     }
@@ -129,7 +130,7 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
                 progress,
             } => self.send(
                 at,
-                &ToMind::Odometry {
+                &HostMessage::Odometry {
                     at_ms,
                     motion,
                     dx_mm: moved.dx_mm,
@@ -147,14 +148,14 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
     }
 
     fn send_echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> Result<Outputs<16>, LinkError> {
-        let received = |echo: &HeardEcho| Heard {
+        let received = |echo: &HeardEcho| TimedEcho {
             sensor: echo.sensor,
             range_mm: echo.range.map(Range::as_mm),
             // Any controller ignores an echo older than a minute.
             age_ms: echo.age_ms.try_into().unwrap_or(u16::MAX),
         };
         let echoes = echoes.iter().take(message::MAX_ECHOES).map(received);
-        let message = ToMind::Scan {
+        let message = HostMessage::Scan {
             at_ms: at.as_ms(),
             echoes: echoes.collect(),
         };
@@ -163,17 +164,17 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
 
     fn command(&mut self, at: Millis, command: Command<16>) -> Result<Outputs<16>, LinkError> {
         self.stopping = command == Command::Stop;
-        let order = match command {
-            Command::Explore { moves, seed } => Order::Explore { moves, seed },
-            Command::Learn => Order::Learn,
+        let wire_command = match command {
+            Command::Explore { moves, seed } => RobotCommand::Explore { moves, seed },
+            Command::Learn => RobotCommand::Learn,
             Command::Seek(goal) => {
-                self.order(at, Order::Goal(GoalBy::Components(goal)))?;
-                Order::Seek
+                self.send_command(at, RobotCommand::Goal(GoalSpec::Components(goal)))?;
+                RobotCommand::Seek
             }
-            Command::Stop => Order::Stop,
-            Command::Resume => Order::Resume,
+            Command::Stop => RobotCommand::Stop,
+            Command::Resume => RobotCommand::Resume,
         };
-        let done = self.order(at, order);
+        let done = self.send_command(at, wire_command);
         self.stopping = false;
         let is_done = matches!(&done, Ok(outputs) if outputs.refusal.is_none());
         self.learning = is_done && command == Command::Learn;
@@ -188,7 +189,7 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
         }
         // A heartbeat is not answered, but its outcome is needed: so this sends odometry without
         // motion.
-        let message = ToMind::Odometry {
+        let message = HostMessage::Odometry {
             at_ms: at.as_ms(),
             motion: self.motion.map_or(0, |(id, _)| id),
             dx_mm: 0,
@@ -199,17 +200,21 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
         self.send(at, &message)
     }
 
-    fn order(&mut self, at: Millis, order: Order<16>) -> Result<Outputs<16>, LinkError> {
-        let message = ToMind::Command {
+    fn send_command(
+        &mut self,
+        at: Millis,
+        command: RobotCommand<16>,
+    ) -> Result<Outputs<16>, LinkError> {
+        let message = HostMessage::Command {
             at_ms: at.as_ms(),
-            ttl_ms: super::session::ORDER_TTL_MS,
-            order,
+            ttl_ms: super::session::COMMAND_TTL_MS,
+            command,
         };
         self.send(at, &message)
     }
 
     /// Sends an event of the time `at` and returns its outputs.
-    fn send(&mut self, at: Millis, message: &ToMind<16>) -> Result<Outputs<16>, LinkError> {
+    fn send(&mut self, at: Millis, message: &HostMessage<16>) -> Result<Outputs<16>, LinkError> {
         self.pass_time(at)?;
         let answer = self.session.borrow_mut().request(message)?;
         self.outputs(&answer)
@@ -222,7 +227,9 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
         while (HEARTBEAT_MS + 1..1 << 31).contains(&gap_ms) {
             self.last_sent = Millis::from_ms(self.last_sent.as_ms().wrapping_add(HEARTBEAT_MS));
             let at_ms = self.last_sent.as_ms();
-            self.session.borrow_mut().queue(&ToMind::Alive { at_ms })?;
+            self.session
+                .borrow_mut()
+                .queue(&HostMessage::Alive { at_ms })?;
             gap_ms = at.since(self.last_sent);
         }
         self.last_sent = at;
@@ -247,20 +254,22 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
     }
 
     fn take(&mut self, report: &Report<16>, outputs: &mut Outputs<16>) -> Result<(), LinkError> {
-        match &report.said {
-            FromMind::Decision(decision) => outputs.decision = Some(*decision),
-            FromMind::Motion(order) => outputs.motion = self.new_motion(*order).or(outputs.motion),
-            FromMind::Mode(ModeReport::Stopped(StopReason::Commanded)) if self.stopping => {
+        match &report.message {
+            DeviceMessage::Decision(decision) => outputs.decision = Some(*decision),
+            DeviceMessage::Motion(command) => {
+                outputs.motion = self.new_motion(*command).or(outputs.motion)
+            }
+            DeviceMessage::Mode(ModeReport::Stopped(StopReason::Commanded)) if self.stopping => {
                 outputs.mode_changed = true;
             }
-            FromMind::Mode(ModeReport::Stopped(reason)) => {
+            DeviceMessage::Mode(ModeReport::Stopped(reason)) => {
                 return Err(LinkError::Stopped(*reason));
             }
-            FromMind::Mode(_) => outputs.mode_changed = true,
-            FromMind::Log(Notice::Disbelieved { sensor, .. }) => {
+            DeviceMessage::Mode(_) => outputs.mode_changed = true,
+            DeviceMessage::Log(LogEvent::SensorDisabled { sensor, .. }) => {
                 self.disabled = self.disabled.with((*sensor).into());
             }
-            FromMind::Log(Notice::Believed { sensor }) => {
+            DeviceMessage::Log(LogEvent::SensorEnabled { sensor }) => {
                 self.disabled = self.disabled.without((*sensor).into());
             }
             _ => {}
@@ -269,9 +278,9 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
     }
 
     /// The motion, unless it only renews the time to live of the current one.
-    fn new_motion(&mut self, order: MotionOrder) -> Option<Motion> {
-        let mark = Some((order.id, order.revision));
-        (std::mem::replace(&mut self.motion, mark) != mark).then(|| order.motion())
+    fn new_motion(&mut self, command: MotionCommand) -> Option<Motion> {
+        let mark = Some((command.id, command.revision));
+        (std::mem::replace(&mut self.motion, mark) != mark).then(|| command.motion())
     }
 
     /// Waits until the controller has learned, for `limit` at most.
@@ -352,9 +361,9 @@ fn open_fresh(
     session.expect_open_space(config.open_space);
     let found = Fingerprint::from(&session.open(number, Clock::Host)?);
     // A learning controller accepts no configuration.
-    session.command(0, Order::Stop)?;
-    session.write_part(Part::Config, &Knowledge::encode_config(config)?)?;
-    session.command(0, Order::Forget)?;
+    session.command(0, RobotCommand::Stop)?;
+    session.write_part(TransferPart::Config, &Knowledge::encode_config(config)?)?;
+    session.command(0, RobotCommand::Forget)?;
     let hello = session.open(next_number(session.number()), Clock::Host)?;
     match Fingerprint::from(&hello).differences(&fresh).first() {
         Some(what) => Err(LinkError::Mismatch { what }),
@@ -402,7 +411,7 @@ mod tests {
             let Ok((header, mut report)) = frame::unpack::<Report<16>>(&bytes) else {
                 return Ok(0);
             };
-            if let FromMind::Mode(mode) = &mut report.said {
+            if let DeviceMessage::Mode(mode) = &mut report.message {
                 *mode = ModeReport::Learn;
             }
             let frame = Frame::pack(header, &report).unwrap();

@@ -3,14 +3,14 @@
 mod receive;
 
 use super::{Deadline, LinkError, Transport};
-use amp::wire::message::{FromMind, MindHello, Order, Refusal, Source};
-use amp::wire::{Frame, Header, Receiver, Report, ToMind};
+use amp::wire::message::{DeviceHello, DeviceMessage, Refusal, RobotCommand, Source};
+use amp::wire::{Frame, Header, HostMessage, Receiver, Report};
 use std::collections::VecDeque;
 use std::io;
 use std::time::{Duration, Instant};
 
 /// Time to live of a command, milliseconds.
-pub(super) const ORDER_TTL_MS: u16 = 1_000;
+pub(super) const COMMAND_TTL_MS: u16 = 1_000;
 
 /// Longest accepted pause of a busy controller.
 const MAX_PAUSE: Duration = Duration::from_secs(30);
@@ -73,7 +73,7 @@ pub struct Session {
     pub(super) pending: Vec<u8>,
     pub(super) began: Instant,
     pub(super) retry: RetryPolicy,
-    pub(super) hello: Option<MindHello>,
+    pub(super) hello: Option<DeviceHello>,
     /// New sessions announce that rings without an echo are expected.
     pub(super) open_space: bool,
     /// Valid frames with an unknown message.
@@ -133,7 +133,7 @@ impl Session {
 
     /// The controller's hello of this session.
     #[must_use]
-    pub fn hello(&self) -> Option<&MindHello> {
+    pub fn hello(&self) -> Option<&DeviceHello> {
         self.hello.as_ref()
     }
 
@@ -147,7 +147,7 @@ impl Session {
     ///
     /// # Errors
     /// When the message does not fit a frame.
-    pub fn queue(&mut self, message: &ToMind<16>) -> Result<(), LinkError> {
+    pub fn queue(&mut self, message: &HostMessage<16>) -> Result<(), LinkError> {
         let header = Header {
             session: self.number,
             seq: self.seq,
@@ -166,7 +166,7 @@ impl Session {
     /// # Errors
     /// [`LinkError`]: no confirmation, a restarted controller, a broken transport. A refusal is a
     /// response.
-    pub fn request(&mut self, message: &ToMind<16>) -> Result<Response, LinkError> {
+    pub fn request(&mut self, message: &HostMessage<16>) -> Result<Response, LinkError> {
         let seq = self.seq;
         self.queue(message)?;
         let pending = std::mem::take(&mut self.pending);
@@ -204,9 +204,12 @@ impl Session {
             ..Response::default()
         };
         for (_, report) in numbered {
-            match report.said {
-                FromMind::Refusal { seq: refused, why } if refused == seq => {
-                    answer.refusal = Some(why);
+            match report.message {
+                DeviceMessage::Refusal {
+                    seq: refused,
+                    reason,
+                } if refused == seq => {
+                    answer.refusal = Some(reason);
                 }
                 _ => answer.reports.push(report),
             }
@@ -222,12 +225,12 @@ impl Session {
     ) -> Result<bool, LinkError> {
         let latest = until + MAX_PAUSES;
         while let Some((number, report)) = self.next_numbered(until)? {
-            match report.said {
-                FromMind::Done { seq: done } if done == seq => return Ok(true),
+            match report.message {
+                DeviceMessage::Done { seq: done } if done == seq => return Ok(true),
                 // Confirms an earlier frame.
-                FromMind::Done { .. } => {}
+                DeviceMessage::Done { .. } => {}
                 // The controller cannot receive now, so a repetition would be lost.
-                FromMind::Busy { ms } => {
+                DeviceMessage::Busy { ms } => {
                     let pause = Duration::from_millis(ms.into());
                     until = Instant::now() + pause.min(MAX_PAUSE) + self.retry.timeout;
                     until = until.min(latest);
@@ -243,7 +246,7 @@ impl Session {
     ///
     /// # Errors
     /// [`LinkError`].
-    pub fn query(&mut self, message: &ToMind<16>) -> Result<Vec<Report<16>>, LinkError> {
+    pub fn query(&mut self, message: &HostMessage<16>) -> Result<Vec<Report<16>>, LinkError> {
         let mut reports = 0;
         for _ in 0..self.retry.attempts {
             let answer = self.request(message)?;
@@ -262,11 +265,15 @@ impl Session {
     ///
     /// # Errors
     /// [`LinkError`].
-    pub fn command(&mut self, at_ms: u32, order: Order<16>) -> Result<Vec<Report<16>>, LinkError> {
-        self.query(&ToMind::Command {
+    pub fn command(
+        &mut self,
+        at_ms: u32,
+        command: RobotCommand<16>,
+    ) -> Result<Vec<Report<16>>, LinkError> {
+        self.query(&HostMessage::Command {
             at_ms,
-            ttl_ms: ORDER_TTL_MS,
-            order,
+            ttl_ms: COMMAND_TTL_MS,
+            command,
         })
     }
 
@@ -276,7 +283,7 @@ impl Session {
     /// # Errors
     /// [`LinkError`].
     pub fn use_own_ring(&mut self) -> Result<bool, LinkError> {
-        match self.query(&ToMind::Source(Source::Ring)) {
+        match self.query(&HostMessage::Source(Source::Ring)) {
             Ok(_) => Ok(true),
             Err(LinkError::Refused(Refusal::NoRing)) => Ok(false),
             Err(error) => Err(error),
@@ -288,7 +295,7 @@ impl Session {
     /// # Errors
     /// A broken transport.
     pub fn send_heartbeat(&mut self, at_ms: u32) -> Result<(), LinkError> {
-        self.queue(&ToMind::Alive { at_ms })?;
+        self.queue(&HostMessage::Alive { at_ms })?;
         let pending = std::mem::take(&mut self.pending);
         self.send(&pending)
     }

@@ -3,7 +3,7 @@
 use super::channel;
 use super::check::{self, Chunk, LogDamage, LogDefect};
 use super::fields::FieldReader;
-use super::record::{FORMAT, SetupRecord};
+use super::record::{FORMAT, OLDEST_FORMAT, SetupRecord};
 use files::error::BadInput;
 use mcap::records::op;
 use serde::Deserialize;
@@ -181,9 +181,11 @@ fn setup(first: Option<LogMessage>, ending: Ending) -> Result<SetupRecord, Strin
         });
     };
     match first.content::<Version>()?.format {
-        Some(format) if format == u64::from(FORMAT) => first.content(),
+        Some(format) if (u64::from(OLDEST_FORMAT)..=FORMAT.into()).contains(&format) => {
+            first.content()
+        }
         Some(format) => Err(format!(
-            "is of format {format}; this program reads format {FORMAT}"
+            "is of format {format}; this program reads formats {OLDEST_FORMAT} to {FORMAT}"
         )),
         None => Err("is a log of another program: its setup names no format".into()),
     }

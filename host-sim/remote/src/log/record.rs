@@ -56,7 +56,10 @@ impl SetupRecord {
 }
 
 /// Version of the records.
-pub const FORMAT: u32 = 3;
+pub const FORMAT: u32 = 4;
+
+/// The oldest version that can be read; 3 differs in names, which are read as aliases.
+pub(super) const OLDEST_FORMAT: u32 = 3;
 
 /// An input of the controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -308,7 +311,7 @@ pub struct PlanRecord {
     /// Best-matching unit of the current situation.
     pub current_neuron: u8,
     /// Subgoal.
-    pub intermediate_neuron: u8,
+    pub subgoal_neuron: u8,
     /// Wanted change of situation, one value in [−1, 1] per transducer.
     pub wanted_change: Vec<f64>,
     /// Best neuron of the action map.
@@ -328,7 +331,7 @@ impl From<&Plan<16>> for PlanRecord {
         Self {
             goal_neuron: plan.goal_neuron,
             current_neuron: plan.current_neuron,
-            intermediate_neuron: plan.intermediate_neuron,
+            subgoal_neuron: plan.subgoal_neuron,
             wanted_change: numbers(&plan.wanted),
             action_neuron: plan.action_neuron,
             at_goal: plan.at_goal,
@@ -404,6 +407,28 @@ mod tests {
             let back: EchoRecord = serde_json::from_str(&json).unwrap();
             assert_eq!(back.echo(), echo, "{json}");
         }
+    }
+
+    /// Logs of format 3 have former names.
+    #[test]
+    fn former_names_are_read() {
+        let former = [
+            ("\"enabled\"", "\"believed\""),
+            ("\"augment_rotations\"", "\"turned\""),
+            ("\"learn_from\"", "\"taught\""),
+            ("\"planner\"", "\"choice\""),
+            ("\"subgoal\"", "\"intermediate\""),
+            ("\"BestHeading\"", "\"Headings\""),
+        ];
+        let config = Config::<16>::recommended();
+        let mut json = serde_json::to_string(&config).unwrap();
+        for (name, before) in former {
+            assert!(json.contains(name), "{name}");
+            json = json.replace(name, before);
+        }
+        assert_eq!(serde_json::from_str::<Config<16>>(&json).unwrap(), config);
+        let stop: StopReason = serde_json::from_str("\"NothingHeard\"").unwrap();
+        assert_eq!(stop, StopReason::NoEchoes);
     }
 
     #[test]

@@ -142,7 +142,7 @@ fn plan_record(plan: &Plan<16>) -> PlanTrace {
     PlanTrace {
         goal_neuron: usize::from(plan.goal_neuron),
         current_neuron: usize::from(plan.current_neuron),
-        intermediate_neuron: usize::from(plan.intermediate_neuron),
+        subgoal_neuron: usize::from(plan.subgoal_neuron),
         wanted_change: values(&plan.wanted),
         action_neuron: usize::from(plan.action_neuron),
         reason: plan.why.to_string(),

@@ -1,8 +1,8 @@
 //! Prints the messages of a remote controller while it keeps the link alive.
 
 use crate::cli::remote::named;
-use amp::wire::message::{Clock, FromMind};
-use amp::wire::{Report, ToMind};
+use amp::wire::message::{Clock, DeviceMessage};
+use amp::wire::{HostMessage, Report};
 use files::error::BadInput;
 use remote::link::{
     Address, Emulation, LinkError, Session, connect, describe, fresh_number, next_number,
@@ -59,7 +59,7 @@ pub(super) fn follow(
     session: &mut Session,
     until: Option<Instant>,
     out: &mut impl Write,
-    mut over: impl FnMut(&FromMind<16>) -> bool,
+    mut over: impl FnMut(&DeviceMessage<16>) -> bool,
 ) -> Result<(), FollowError> {
     let mut count = 0_u32;
     loop {
@@ -72,7 +72,7 @@ pub(super) fn follow(
         let pause = until.map_or(pause, |until| until.min(pause));
         while let Some(report) = session.next_report(pause)? {
             print(&report, out)?;
-            if over(&report.said) {
+            if over(&report.message) {
                 return Ok(());
             }
         }
@@ -87,14 +87,14 @@ pub(super) fn follow(
 fn check(
     session: &mut Session,
     out: &mut impl Write,
-    over: &mut impl FnMut(&FromMind<16>) -> bool,
+    over: &mut impl FnMut(&DeviceMessage<16>) -> bool,
 ) -> Result<bool, FollowError> {
     let mut is_over = false;
-    let answer = session.request(&ToMind::Counters)?;
+    let answer = session.request(&HostMessage::Counters)?;
     for report in &answer.reports {
-        if !matches!(report.said, FromMind::Counters(_)) {
+        if !matches!(report.message, DeviceMessage::Counters(_)) {
             print(report, out)?;
-            is_over |= over(&report.said);
+            is_over |= over(&report.message);
         }
     }
     if answer.missing > 0 {

@@ -8,8 +8,10 @@ use super::remote::{named, open};
 use amp::config::Config;
 use amp::fixed::Weight;
 use amp::goal::{Goal, Name, SaveGoalError};
-use amp::wire::ToMind;
-use amp::wire::message::{Clock, Flash, FromMind, GoalBy, ModeReport, Order};
+use amp::wire::HostMessage;
+use amp::wire::message::{
+    Clock, DeviceMessage, FlashOperation, GoalSpec, ModeReport, RobotCommand,
+};
 use clap::{Args, Subcommand, ValueEnum};
 use files::error::BadInput;
 use follow::{FollowError, follow, monitor};
@@ -74,7 +76,7 @@ enum LinkVerb {
     Monitor(DurationArgs),
     /// Set the goal: perceived (the present situation), a behavior by name, or a goal FILE
     Goal {
-        /// perceived, avoid, avoid-right, wall-left, wall-right, follow, kept:NAME, or a TOML file
+        /// perceived, avoid, avoid-right, wall-left, wall-right, follow, saved:NAME, or a TOML file
         goal: String,
     },
     /// Make random moves and store them in the memory
@@ -103,20 +105,22 @@ enum LinkVerb {
         #[arg(allow_negative_numbers = true)]
         value: Option<i32>,
     },
-    /// Save the controller's state in its flash, recall the last saved state, or erase all saved
+    /// Save the controller's state in its flash, load the last saved state, or erase all saved
     /// states
     Flash {
         /// Action
         #[arg(value_enum)]
         action: FlashAction,
     },
-    /// Save the present goal under a name (then: goal kept:NAME); flash save makes it persistent
-    Keep {
+    /// Save the present goal under a name (then: goal saved:NAME); flash save makes it persistent
+    #[command(alias = "keep")]
+    Save {
         /// 1 to 12 characters
         name: String,
     },
     /// Delete the goal with a name
-    Drop {
+    #[command(alias = "drop")]
+    Delete {
         /// Name of the goal
         name: String,
     },
@@ -125,13 +129,15 @@ enum LinkVerb {
     /// Print the controller's counters since its start
     Counters,
     /// Download configuration, maps, memory and goals to a file
-    Pull {
+    #[command(alias = "pull")]
+    Download {
         /// The file
         file: PathBuf,
     },
     /// Upload configuration, maps, memory and goals from a file
-    Push {
-        /// A file written by pull or `host-sim run --save`
+    #[command(alias = "push")]
+    Upload {
+        /// A file written by download or `host-sim run --save`
         file: PathBuf,
     },
 }
@@ -142,16 +148,17 @@ enum FlashAction {
     /// Save configuration, maps, memory and goals for the next start
     Save,
     /// Replace them by the last saved state, as the next start does
-    Recall,
+    #[value(alias = "recall")]
+    Load,
     /// Erase all saved states; the running controller keeps its state until it is switched off
     Erase,
 }
 
-impl From<FlashAction> for Flash {
+impl From<FlashAction> for FlashOperation {
     fn from(action: FlashAction) -> Self {
         match action {
             FlashAction::Save => Self::Save,
-            FlashAction::Recall => Self::Recall,
+            FlashAction::Load => Self::Load,
             FlashAction::Erase => Self::Erase,
         }
     }
@@ -206,34 +213,42 @@ pub(super) fn link(args: &LinkArgs, out: &mut impl Write) -> Result<(), CliError
 /// A subcommand with its checked arguments.
 enum CheckedVerb {
     Nothing,
-    Goal(GoalBy<16>),
-    Push(Box<Knowledge>),
+    Goal(GoalSpec<16>),
+    Upload(Box<Knowledge>),
     Parameters(tables::RequestedParameters),
-    Ask(ToMind<16>),
+    Ask(HostMessage<16>),
 }
 
 impl CheckedVerb {
     fn prepare(verb: &LinkVerb) -> Result<Self, BadInput> {
         Ok(match verb {
             LinkVerb::Goal { goal } => Self::Goal(match goal.as_str() {
-                "avoid" => GoalBy::Avoid,
-                "perceived" => GoalBy::Perceived,
-                saved if saved.starts_with("kept:") => {
-                    GoalBy::Kept(name(saved.trim_start_matches("kept:"))?)
-                }
-                name => GoalBy::Components(goal_by_name(name)?),
+                "avoid" => GoalSpec::Avoid,
+                "perceived" => GoalSpec::Perceived,
+                text => match saved_goal(text) {
+                    Some(saved) => GoalSpec::Saved(name(saved)?),
+                    None => GoalSpec::Components(goal_by_name(text)?),
+                },
             }),
-            LinkVerb::Push { file } => Self::Push(Box::new(Knowledge::load(file)?)),
-            LinkVerb::Flash { action } => Self::Ask(ToMind::Flash((*action).into())),
-            LinkVerb::Keep { name: text } => Self::Ask(ToMind::Keep { name: name(text)? }),
-            LinkVerb::Drop { name: text } => Self::Ask(ToMind::Drop { name: name(text)? }),
-            LinkVerb::Goals => Self::Ask(ToMind::Goals),
+            LinkVerb::Upload { file } => Self::Upload(Box::new(Knowledge::load(file)?)),
+            LinkVerb::Flash { action } => Self::Ask(HostMessage::Flash((*action).into())),
+            LinkVerb::Save { name: text } => Self::Ask(HostMessage::SaveGoal { name: name(text)? }),
+            LinkVerb::Delete { name: text } => {
+                Self::Ask(HostMessage::DeleteGoal { name: name(text)? })
+            }
+            LinkVerb::Goals => Self::Ask(HostMessage::ListGoals),
             LinkVerb::Params { name, value } => {
                 Self::Parameters(tables::wanted(name.as_deref(), *value)?)
             }
             _ => Self::Nothing,
         })
     }
+}
+
+/// The name behind `saved:`, or behind its former spelling.
+fn saved_goal(text: &str) -> Option<&str> {
+    text.strip_prefix("saved:")
+        .or_else(|| text.strip_prefix("kept:"))
 }
 
 /// Parses the name of a saved goal.
@@ -263,10 +278,10 @@ fn perform(
     out: &mut impl Write,
 ) -> Result<(), FollowError> {
     match (verb, task) {
-        (_, CheckedVerb::Goal(goal)) => order(session, Order::Goal(goal), out),
+        (_, CheckedVerb::Goal(goal)) => command(session, RobotCommand::Goal(goal), out),
         (_, CheckedVerb::Parameters(wanted)) => tables::parameters(session, wanted, out),
         (_, CheckedVerb::Ask(message)) => ask(session, &message, out),
-        (LinkVerb::Push { file }, CheckedVerb::Push(knowledge)) => {
+        (LinkVerb::Upload { file }, CheckedVerb::Upload(knowledge)) => {
             knowledge.upload(session)?;
             let samples = knowledge.samples();
             let file = file.display();
@@ -275,7 +290,7 @@ fn perform(
                 "{file}: configuration, maps and {samples} samples uploaded"
             )?)
         }
-        (LinkVerb::Pull { file }, _) => {
+        (LinkVerb::Download { file }, _) => {
             let knowledge = Knowledge::download(session)?;
             knowledge.save(file)?;
             let samples = knowledge.samples();
@@ -287,12 +302,12 @@ fn perform(
         }
         (LinkVerb::Explore { moves, seed, span }, _) => {
             let (moves, seed) = (*moves, *seed);
-            drive(session, Order::Explore { moves, seed }, *span, out)
+            drive(session, RobotCommand::Explore { moves, seed }, *span, out)
         }
-        (LinkVerb::Seek(span), _) => drive(session, Order::Seek, *span, out),
-        (LinkVerb::Resume(span), _) => drive(session, Order::Resume, *span, out),
-        (LinkVerb::Learn, _) => follow_order(session, Order::Learn, None, out),
-        (LinkVerb::Stop, _) => order(session, Order::Stop, out),
+        (LinkVerb::Seek(span), _) => drive(session, RobotCommand::Seek, *span, out),
+        (LinkVerb::Resume(span), _) => drive(session, RobotCommand::Resume, *span, out),
+        (LinkVerb::Learn, _) => follow_order(session, RobotCommand::Learn, None, out),
+        (LinkVerb::Stop, _) => command(session, RobotCommand::Stop, out),
         (LinkVerb::Counters, _) => tables::counters(session, out),
         _ => tables::hello(session, out),
     }
@@ -301,7 +316,7 @@ fn perform(
 /// Sends once, without retries: a repeated write wears the flash.
 fn ask(
     session: &mut Session,
-    message: &ToMind<16>,
+    message: &HostMessage<16>,
     out: &mut impl Write,
 ) -> Result<(), FollowError> {
     let answer = session.request(message)?;
@@ -314,9 +329,13 @@ fn ask(
     Ok(writeln!(out, "done")?)
 }
 
-fn order(session: &mut Session, order: Order<16>, out: &mut impl Write) -> Result<(), FollowError> {
+fn command(
+    session: &mut Session,
+    command: RobotCommand<16>,
+    out: &mut impl Write,
+) -> Result<(), FollowError> {
     let at_ms = session.elapsed_ms();
-    for report in session.command(at_ms, order)? {
+    for report in session.command(at_ms, command)? {
         follow::print(&report, out)?;
     }
     Ok(writeln!(out, "done")?)
@@ -325,7 +344,7 @@ fn order(session: &mut Session, order: Order<16>, out: &mut impl Write) -> Resul
 /// Sends a command that moves the robot, prints its sonars' messages, and keeps the link alive.
 fn drive(
     session: &mut Session,
-    order: Order<16>,
+    command: RobotCommand<16>,
     span: DurationArgs,
     out: &mut impl Write,
 ) -> Result<(), FollowError> {
@@ -334,22 +353,22 @@ fn drive(
             "This controller has no sonars of its own and waits for echoes over the link; a simulated robot sends them: host-sim run --mind …"
         );
     }
-    follow_order(session, order, span.end(), out)
+    follow_order(session, command, span.end(), out)
 }
 
 fn follow_order(
     session: &mut Session,
-    order: Order<16>,
+    command: RobotCommand<16>,
     until: Option<Instant>,
     out: &mut impl Write,
 ) -> Result<(), FollowError> {
     let at_ms = session.elapsed_ms();
-    for report in session.command(at_ms, order)? {
+    for report in session.command(at_ms, command)? {
         follow::print(&report, out)?;
     }
     let mut ended = None;
     follow(session, until, out, |said| {
-        if let FromMind::Mode(mode @ (ModeReport::Idle | ModeReport::Stopped(_))) = said {
+        if let DeviceMessage::Mode(mode @ (ModeReport::Idle | ModeReport::Stopped(_))) = said {
             ended = Some(*mode);
         }
         ended.is_some()

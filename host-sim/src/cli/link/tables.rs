@@ -2,7 +2,7 @@
 
 use super::FollowError;
 use crate::cli::table::plain;
-use amp::parameters::{Parameter, ParameterError, Spec};
+use amp::parameters::{Parameter, ParameterError, ParameterSpec};
 use files::error::BadInput;
 use remote::link::{Session, build, oscillator, reset};
 use std::io::Write;
@@ -25,6 +25,8 @@ pub(super) fn wanted(
         let parameters = Parameter::ALL.to_vec();
         return Ok(RequestedParameters { parameters, value });
     };
+    // A former spelling.
+    let name = if name == "believed" { "enabled" } else { name };
     let known: Vec<_> = Parameter::ALL.iter().map(|known| known.name()).collect();
     let found = Parameter::ALL
         .into_iter()
@@ -32,8 +34,8 @@ pub(super) fn wanted(
     let parameter = found.ok_or_else(|| BadInput::unknown("parameter", name, &known))?;
     let spec = parameter.spec();
     match value {
-        Some(value) if value < spec.least || value > spec.greatest => {
-            let why = ParameterError::Range(spec).to_string();
+        Some(value) if value < spec.min || value > spec.max => {
+            let why = ParameterError::OutOfRange(spec).to_string();
             let why = why.trim_end();
             Err(BadInput::new(format!(
                 "parameter {name} cannot be {value}: {why}"
@@ -61,12 +63,12 @@ pub(super) fn parameters(
     Ok(out.write_all(plain(&heads, &rows, &[1, 2, 3]).as_bytes())?)
 }
 
-fn row(parameter: Parameter, value: i32, spec: &Spec) -> Vec<String> {
+fn row(parameter: Parameter, value: i32, spec: &ParameterSpec) -> Vec<String> {
     vec![
         parameter.name().to_owned(),
         value.to_string(),
-        spec.least.to_string(),
-        spec.greatest.to_string(),
+        spec.min.to_string(),
+        spec.max.to_string(),
         spec.unit.to_string(),
     ]
 }
@@ -76,11 +78,11 @@ pub(super) fn counters(session: &mut Session, out: &mut impl Write) -> Result<()
     let c = session.counters()?;
     let rows = [
         ("frames accepted", c.accepted),
-        ("malformed frames", c.misshapen),
-        ("frames with a wrong CRC", c.damaged),
+        ("malformed frames", c.malformed),
+        ("frames with a wrong CRC", c.crc_errors),
         ("frames without a known message", c.unknown),
         ("frames too long", c.oversized),
-        ("frames of another session", c.strangers),
+        ("frames of another session", c.wrong_session),
         ("duplicate or late frames", c.replayed),
         ("commands that came too late", c.expired),
         ("requests refused", c.refused),

@@ -49,7 +49,7 @@ fn every_verb_says_what_came_of_it() {
         ("params far 9999", "between 1 and 6500 mm"),
         ("push none.mind", "none.mind: "),
         ("flash save", "it has nothing to save to"),
-        ("goal kept:nest", "it has no goal of this name"),
+        ("goal saved:nest", "it has no goal of this name"),
         ("drop nest", "it has no goal of this name"),
         (
             "keep thirteen-chars",
@@ -73,8 +73,8 @@ fn what_an_episode_taught_is_pulled_and_pushed() {
     let here = host_sim(&one, "run --world random:1 --steps 5 --json").unwrap();
     let there = host_sim(&one, "run --world random:1 --steps 5 --json --mind MIND");
     assert_eq!(there.unwrap(), here);
-    host_sim(&one, "link --to MIND keep kept").unwrap();
-    let pulled = host_sim(&one, &format!("link --to MIND pull {file}"));
+    host_sim(&one, "link --to MIND save saved").unwrap();
+    let pulled = host_sim(&one, &format!("link --to MIND download {file}"));
     assert!(pulled.unwrap().contains("and 100 samples"));
     // A controller in this process has the same state.
     let own = folder.path().join("own.mind");
@@ -85,7 +85,7 @@ fn what_an_episode_taught_is_pulled_and_pushed() {
     assert_eq!(host_sim(&one, &line).unwrap(), here);
     let known = |path: &std::path::Path| Knowledge::load(path).unwrap().fingerprint();
     assert_eq!(known(&own), known(&folder.path().join("robot.mind")));
-    let pushed = host_sim(&two, &format!("link --to MIND push {file}"));
+    let pushed = host_sim(&two, &format!("link --to MIND upload {file}"));
     assert!(pushed.unwrap().contains("100 samples uploaded"));
     let goals = host_sim(&two, "link --to MIND goals").unwrap();
     assert!(goals.contains("goal       kept"), "{goals}");

@@ -186,7 +186,7 @@ impl Simulator {
     fn load_mind(&mut self, hex: &str) -> Result<(), CommandRefused> {
         if !self.controller.inner().is_local() {
             return Err(
-                "load the file into a remote controller with `host-sim link … push`".into(),
+                "load the file into a remote controller with `host-sim link … upload`".into(),
             );
         }
         let bytes = unhex(hex).ok_or("the file is incomplete")?;

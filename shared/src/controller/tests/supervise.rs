@@ -265,7 +265,7 @@ fn what_a_transducer_hears_that_is_not_believed_is_no_echo() {
             bench.report(bench.time, motion.id, 0, Progress::Ended);
         }
     }
-    assert!(bench.is_stopped(StopReason::NothingHeard));
+    assert!(bench.is_stopped(StopReason::NoEchoes));
 }
 
 #[test]
@@ -287,7 +287,7 @@ fn three_rings_without_any_echo_stop_the_robot() {
         (moves, bench)
     };
     let (moves, mut bench) = silent(false);
-    assert!(moves == 2 && bench.is_stopped(StopReason::NothingHeard));
+    assert!(moves == 2 && bench.is_stopped(StopReason::NoEchoes));
     // One echo of one transducer is enough to go on, and then it is counted anew.
     bench.send(Event::Command(Command::Resume));
     for _ in 0..5 {
@@ -300,7 +300,7 @@ fn three_rings_without_any_echo_stop_the_robot() {
         bench.report(bench.time, motion.id, 0, Progress::Ended);
     }
     let (moves, bench) = silent(true);
-    assert!(moves == 8 && !bench.is_stopped(StopReason::NothingHeard));
+    assert!(moves == 8 && !bench.is_stopped(StopReason::NoEchoes));
 }
 
 /// What was heard before the order to go on is no echo of the rings after it.
@@ -319,7 +319,7 @@ fn an_echo_while_the_robot_stands_breaks_no_silence() {
             bench.report(bench.time, motion.id, 0, Progress::Ended);
         }
     }
-    assert!(bench.is_stopped(StopReason::NothingHeard));
+    assert!(bench.is_stopped(StopReason::NoEchoes));
 }
 
 #[test]

@@ -5,16 +5,16 @@ use super::*;
 #[test]
 fn the_latest_answer_is_said_again_byte_for_byte() {
     let mut rig = Rig::ready(Clock::Host);
-    rig.order(Order::Seek);
-    let counters = rig.packed(&ToMind::Counters);
-    let echoes = (0..16).map(|sensor| Heard {
+    rig.command(RobotCommand::Seek);
+    let counters = rig.packed(&HostMessage::Counters);
+    let echoes = (0..16).map(|sensor| TimedEcho {
         sensor,
         range_mm: Some(900),
         age_ms: 0,
     });
     let mut at_ms = rig.at_ms() + 200;
-    let alive = rig.packed(&ToMind::Alive { at_ms });
-    let scan = rig.packed(&ToMind::Scan {
+    let alive = rig.packed(&HostMessage::Alive { at_ms });
+    let scan = rig.packed(&HostMessage::Scan {
         at_ms,
         echoes: echoes.collect(),
     });
@@ -37,9 +37,9 @@ fn the_latest_answer_is_said_again_byte_for_byte() {
     let mut burst = Vec::new();
     for _ in 0..3 {
         at_ms += 200;
-        burst.push(rig.packed(&ToMind::Alive { at_ms }));
+        burst.push(rig.packed(&HostMessage::Alive { at_ms }));
     }
-    burst.push(rig.packed(&ToMind::Counters));
+    burst.push(rig.packed(&HostMessage::Counters));
     let burst: Vec<_> = burst.iter().collect();
     let first = say(&mut rig, &burst);
     assert_eq!(first.len(), 5);
@@ -47,11 +47,11 @@ fn the_latest_answer_is_said_again_byte_for_byte() {
     // An answer that is too long to be kept is only confirmed.
     for name in ["a", "b", "c", "d", "e", "f"] {
         let name = crate::goal::Name::new(name).unwrap();
-        rig.send(ToMind::Keep { name });
+        rig.send(HostMessage::SaveGoal { name });
     }
-    let goals = rig.packed(&ToMind::Goals);
+    let goals = rig.packed(&HostMessage::ListGoals);
     assert_eq!(rig.raw(&goals).len(), 8);
-    assert!(matches!(rig.raw(&goals)[..], [FromMind::Done { .. }]));
+    assert!(matches!(rig.raw(&goals)[..], [DeviceMessage::Done { .. }]));
 }
 
 /// With the numbers it had: a host whose answer was lost misses none.
@@ -59,11 +59,11 @@ fn the_latest_answer_is_said_again_byte_for_byte() {
 fn a_stop_that_comes_again_is_answered_as_it_was() {
     let mut rig = Rig::ready(Clock::Device);
     rig.move_on();
-    let (at_ms, ttl_ms, order) = (rig.at_ms(), 1_000, Order::Stop);
-    let stop = rig.packed(&ToMind::Command {
+    let (at_ms, ttl_ms, command) = (rig.at_ms(), 1_000, RobotCommand::Stop);
+    let stop = rig.packed(&HostMessage::Command {
         at_ms,
         ttl_ms,
-        order,
+        command,
     });
     let [first, again] = [(); 2].map(|()| {
         let mut said = Said::default();
@@ -77,13 +77,13 @@ fn a_stop_that_comes_again_is_answered_as_it_was() {
 #[test]
 fn no_motion_is_said_again_after_a_stop() {
     let mut rig = Rig::ready(Clock::Device);
-    rig.order(Order::Seek);
-    let echoes = (0..16).map(|sensor| Heard {
+    rig.command(RobotCommand::Seek);
+    let echoes = (0..16).map(|sensor| TimedEcho {
         sensor,
         range_mm: Some(900),
         age_ms: 0,
     });
-    let scan = ToMind::Scan {
+    let scan = HostMessage::Scan {
         at_ms: rig.at_ms(),
         echoes: echoes.collect(),
     };
@@ -94,44 +94,54 @@ fn no_motion_is_said_again_after_a_stop() {
     assert!(motion(&rig.raw(&scan)).is_some());
     rig.now += 60;
     let said = rig.tick().1;
-    assert!(said.contains(&FromMind::Mode(ModeReport::Stopped(StopReason::LinkLost))));
-    assert!(matches!(rig.raw(&scan)[..], [FromMind::Done { .. }]));
+    assert!(said.contains(&DeviceMessage::Mode(ModeReport::Stopped(
+        StopReason::LinkLost
+    ))));
+    assert!(matches!(rig.raw(&scan)[..], [DeviceMessage::Done { .. }]));
 }
 
 /// A mode that changes without a motion, and a motion in the same mode.
 #[test]
 fn an_answer_that_something_has_overtaken_is_only_confirmed() {
     let mut rig = Rig::with_ring();
-    rig.send(ToMind::Source(Source::Ring));
-    let explore = ToMind::Command {
+    rig.send(HostMessage::Source(Source::Ring));
+    let explore = HostMessage::Command {
         at_ms: rig.at_ms(),
         ttl_ms: 1_000,
-        order: Order::Explore { moves: 5, seed: 1 },
+        command: RobotCommand::Explore { moves: 5, seed: 1 },
     };
     let explore = rig.packed(&explore);
     let first = rig.raw(&explore);
-    let exploring = FromMind::Mode(ModeReport::Explore { left: 5 });
+    let exploring = DeviceMessage::Mode(ModeReport::Explore { left: 5 });
     assert!(first.contains(&exploring), "{first:?}");
     assert_eq!(rig.raw(&explore), first);
     rig.now += 200;
     let said = rig.own_ring(2_000);
-    assert!(motion(&said).is_some() && !said.iter().any(|said| matches!(said, FromMind::Mode(_))));
-    assert!(matches!(rig.raw(&explore)[..], [FromMind::Done { .. }]));
+    assert!(
+        motion(&said).is_some()
+            && !said
+                .iter()
+                .any(|said| matches!(said, DeviceMessage::Mode(_)))
+    );
+    assert!(matches!(
+        rig.raw(&explore)[..],
+        [DeviceMessage::Done { .. }]
+    ));
     // It stands, and its ring stays incomplete.
     let mut rig = Rig::ready(Clock::Device);
-    rig.order(Order::Stop);
-    let seek = ToMind::Command {
+    rig.command(RobotCommand::Stop);
+    let seek = HostMessage::Command {
         at_ms: rig.at_ms(),
         ttl_ms: 9_000,
-        order: Order::Seek,
+        command: RobotCommand::Seek,
     };
     let seek = rig.packed(&seek);
     let first = rig.raw(&seek);
-    assert!(first.contains(&FromMind::Mode(ModeReport::Seek)));
+    assert!(first.contains(&DeviceMessage::Mode(ModeReport::Seek)));
     rig.now += SILENCE_MS + 1;
     let said = rig.tick().1;
     assert!(is_stopped(&said, StopReason::LinkLost) && motion(&said).is_none());
-    assert!(matches!(rig.raw(&seek)[..], [FromMind::Done { .. }]));
+    assert!(matches!(rig.raw(&seek)[..], [DeviceMessage::Done { .. }]));
 }
 
 #[test]
@@ -139,7 +149,7 @@ fn a_hello_that_comes_again_is_answered_and_changes_nothing() {
     let mut rig = Rig::new(Clock::Device);
     let before = rig.node.state.clone();
     let dimensions = Small::dimensions();
-    let hello = ToMind::<16>::Hello(HostHello {
+    let hello = HostMessage::<16>::Hello(HostHello {
         dimensions,
         clock: Clock::Device,
         open_space: false,
@@ -151,25 +161,28 @@ fn a_hello_that_comes_again_is_answered_and_changes_nothing() {
     let frame = Frame::pack(header, &hello).unwrap();
     let hello = frame.as_bytes().split_last().unwrap().1;
     let again = rig.raw(hello);
-    assert!(matches!(again[..], [FromMind::Hello(_)]), "{again:?}");
+    assert!(matches!(again[..], [DeviceMessage::Hello(_)]), "{again:?}");
     assert!(rig.node.state == before);
     assert_eq!(rig.node.counters().accepted, 1);
     // With another frame between them it is a new host, though session and number are the old ones.
-    rig.order(Order::Explore { moves: 5, seed: 1 });
+    rig.command(RobotCommand::Explore { moves: 5, seed: 1 });
     rig.now += 200;
     assert!(motion(&rig.ring(900)).is_some());
     let said = rig.raw(hello);
     assert!(is_stopped(&said, StopReason::LinkLost));
-    assert!(matches!(said.last(), Some(FromMind::Hello(_))));
+    assert!(matches!(said.last(), Some(DeviceMessage::Hello(_))));
     // It is heard from its second frame on.
     rig.seq = 1;
-    assert!(rig.send(ToMind::Mode).contains(&FromMind::Done { seq: 2 }));
-    let stopped = rig.order(Order::Stop);
-    assert!(stopped.contains(&FromMind::Done { seq: 3 }));
+    assert!(
+        rig.send(HostMessage::Mode)
+            .contains(&DeviceMessage::Done { seq: 2 })
+    );
+    let stopped = rig.command(RobotCommand::Stop);
+    assert!(stopped.contains(&DeviceMessage::Done { seq: 3 }));
     assert!(is_stopped(&stopped, StopReason::Commanded));
     // Session 0 is nobody's.
     let header = Header { session: 0, seq: 1 };
-    let hello = ToMind::<16>::Hello(HostHello {
+    let hello = HostMessage::<16>::Hello(HostHello {
         dimensions,
         clock: Clock::Device,
         open_space: false,

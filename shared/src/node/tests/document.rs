@@ -6,7 +6,7 @@ use crate::goal::MAX_NAMED_GOALS;
 use crate::link::offset::{SLOT_MS, SLOTS};
 use crate::node::reply_cache;
 use crate::wire::frame::MAX_FRAME;
-use crate::wire::message::{MAX_ECHOES, MAX_PIECE};
+use crate::wire::message::{MAX_CHUNK, MAX_ECHOES};
 use crate::wire::tests::document::{DOCUMENT, check_block};
 use std::format;
 use std::string::String;
@@ -31,7 +31,7 @@ fn documented_constants_are_those_of_the_program() {
         .collect();
     let wanted = [
         format!("{MAX_FRAME}bytes"),
-        format!("{MAX_PIECE}bytes"),
+        format!("{MAX_CHUNK}bytes"),
         format!("{MAX_ECHOES}echoes"),
         format!("{MAX_CONFIG}bytes"),
         format!("{}bytes", reply_cache::MAX_BYTES),
@@ -51,7 +51,7 @@ fn documented_constants_are_those_of_the_program() {
     assert_eq!(found, wanted);
     let sentences = [
         format!("has at most {MAX_FRAME} bytes"),
-        format!("of more than {MAX_PIECE} bytes"),
+        format!("of more than {MAX_CHUNK} bytes"),
         format!("of more than {MAX_ECHOES} echoes"),
         format!(
             "keeps {} bytes of its latest answer",
@@ -79,14 +79,14 @@ struct Session {
 /// Frames that are recorded as they are sent.
 struct Recorder<'a> {
     record: &'a mut String,
-    reports: Vec<FromMind<16>>,
+    reports: Vec<DeviceMessage<16>>,
 }
 
 impl FrameSink for Recorder<'_> {
     fn send(&mut self, bytes: &[u8]) -> bool {
         let (_, coded) = bytes.split_last().unwrap();
         let (header, report) = frame::unpack::<Report<16>>(coded).unwrap();
-        let (device_ms, said) = (report.device_ms, report.said);
+        let (device_ms, said) = (report.device_ms, report.message);
         let words = format!("{device_ms} ms {said:?}");
         record(self.record, "device", bytes, header, &words);
         self.reports.push(said);
@@ -136,7 +136,7 @@ impl Session {
         );
     }
 
-    fn send(&mut self, message: &ToMind<16>) -> Vec<FromMind<16>> {
+    fn send(&mut self, message: &HostMessage<16>) -> Vec<DeviceMessage<16>> {
         self.seq += 1;
         let header = Header {
             session: 300,
@@ -159,29 +159,29 @@ impl Session {
         out.reports
     }
 
-    fn order(&mut self, order: Order<16>) -> Vec<FromMind<16>> {
+    fn command(&mut self, command: RobotCommand<16>) -> Vec<DeviceMessage<16>> {
         self.at_ms += 100;
         let (at_ms, ttl_ms) = (self.at_ms, 1_000);
-        self.send(&ToMind::Command {
+        self.send(&HostMessage::Command {
             at_ms,
             ttl_ms,
-            order,
+            command,
         })
     }
 
     /// A whole ring in one frame; transducer 5 hears nothing.
-    fn scan(&mut self, nearest_mm: u16) -> MotionOrder {
+    fn scan(&mut self, nearest_mm: u16) -> MotionCommand {
         self.at_ms += 100;
-        let echoes = (0..16_u8).map(|sensor| Heard {
+        let echoes = (0..16_u8).map(|sensor| TimedEcho {
             sensor,
             range_mm: (sensor != 5).then(|| nearest_mm + 90 * u16::from(sensor)),
             age_ms: 0,
         });
-        let said = self.send(&ToMind::Scan {
+        let said = self.send(&HostMessage::Scan {
             at_ms: self.at_ms,
             echoes: echoes.collect(),
         });
-        motion(&said).unwrap_or(MotionOrder {
+        motion(&said).unwrap_or(MotionCommand {
             id: 0,
             revision: 0,
             dx_mm: 0,
@@ -193,7 +193,7 @@ impl Session {
 
     fn odometry(&mut self, motion: u16, dx_mm: i16, dy_mm: i16, progress: Progress) {
         self.at_ms += 150;
-        self.send(&ToMind::Odometry {
+        self.send(&HostMessage::Odometry {
             at_ms: self.at_ms,
             motion,
             dx_mm,
@@ -207,33 +207,33 @@ impl Session {
 fn session() -> String {
     let mut s = Session::new();
     s.title("The host opens a session. No Done.");
-    s.send(&ToMind::Hello(HostHello {
+    s.send(&HostMessage::Hello(HostHello {
         dimensions: NomadNode::dimensions(),
         clock: Clock::Host,
         open_space: false,
     }));
     s.title("One random move.");
-    s.order(Order::Explore { moves: 1, seed: 9 });
+    s.command(RobotCommand::Explore { moves: 1, seed: 9 });
     s.title("A whole ring: the decision, the motion, Done.");
-    let order = s.scan(700);
-    assert_ne!((order.dx_mm, order.dy_mm), (0, 0));
+    let command = s.scan(700);
+    assert_ne!((command.dx_mm, command.dy_mm), (0, 0));
     s.title("Halfway.");
-    let (dx, dy) = (order.dx_mm / 2, order.dy_mm / 2);
-    s.odometry(order.id, dx, dy, Progress::Moving);
+    let (dx, dy) = (command.dx_mm / 2, command.dy_mm / 2);
+    s.odometry(command.id, dx, dy, Progress::Moving);
     s.title("A sign of life without an answer of its own: the motion is renewed after 200 ms.");
     s.at_ms += 100;
-    s.send(&ToMind::Alive { at_ms: s.at_ms });
+    s.send(&HostMessage::Alive { at_ms: s.at_ms });
     s.title("The rest of the way. The motion has ended.");
     s.odometry(
-        order.id,
-        order.dx_mm - dx,
-        order.dy_mm - dy,
+        command.id,
+        command.dx_mm - dx,
+        command.dy_mm - dy,
         Progress::Ended,
     );
     s.title("The ring after the move completes the sample.");
     s.scan(650);
     s.title("The maps are made. The mode becomes Idle when they are.");
-    s.order(Order::Learn);
+    s.command(RobotCommand::Learn);
     let mut out = Recorder {
         record: &mut s.record,
         reports: Vec::new(),
@@ -241,11 +241,11 @@ fn session() -> String {
     let mut ticks = 0..10_000;
     assert!(ticks.any(|_| !s.node.tick(Millis::from_ms(0), &mut out)));
     s.title("A goal, and towards it.");
-    s.order(Order::Goal(GoalBy::Avoid));
-    s.order(Order::Seek);
+    s.command(RobotCommand::Goal(GoalSpec::Avoid));
+    s.command(RobotCommand::Seek);
     s.scan(500);
     s.title("Stop: the base stands, the mode says why.");
-    s.order(Order::Stop);
+    s.command(RobotCommand::Stop);
     s.record
 }
 
@@ -273,7 +273,10 @@ fn a_write_beyond_the_limit_gets_no_answer() {
     // Sound, though it reaches beyond the part's 128 bytes.
     assert!(matches!(
         said[..],
-        [FromMind::Refusal { seq: 2, .. }, FromMind::Done { seq: 2 }]
+        [
+            DeviceMessage::Refusal { seq: 2, .. },
+            DeviceMessage::Done { seq: 2 }
+        ]
     ));
     assert_eq!(
         (rig.node.counters().unknown, rig.node.counters().replayed),
@@ -286,19 +289,19 @@ fn a_write_beyond_the_limit_gets_no_answer() {
 fn a_motion_of_no_length_has_to_be_reported_as_well() {
     for is_reported in [true, false] {
         let mut rig = Rig::ready(Clock::Device);
-        rig.order(Order::Seek);
+        rig.command(RobotCommand::Seek);
         rig.now += 200;
         // So near that the shield allows no way at all.
-        let order = motion(&rig.ring(0)).unwrap();
-        assert_eq!((order.dx_mm, order.dy_mm), (0, 0));
+        let command = motion(&rig.ring(0)).unwrap();
+        assert_eq!((command.dx_mm, command.dy_mm), (0, 0));
         if is_reported {
-            rig.carried_out(order);
+            rig.carried_out(command);
         }
         rig.now += 200;
         assert_eq!(motion(&rig.ring(0)).is_some(), is_reported);
         rig.now += 301;
         let at_ms = rig.at_ms();
-        rig.send(ToMind::Alive { at_ms });
+        rig.send(HostMessage::Alive { at_ms });
         let stopped = is_stopped(&rig.tick().1, StopReason::Overdue);
         assert_eq!(stopped, !is_reported);
     }

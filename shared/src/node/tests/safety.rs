@@ -7,22 +7,22 @@ const HOUR_MS: u32 = 3_600_000;
 impl Rig {
     fn stop_frame(session: u16, seq: u16, at_ms: u32, ttl_ms: u16) -> Vec<u8> {
         let header = Header { session, seq };
-        let stop = ToMind::<16>::Command {
+        let stop = HostMessage::<16>::Command {
             at_ms,
             ttl_ms,
-            order: Order::Stop,
+            command: RobotCommand::Stop,
         };
         let frame = Frame::pack(header, &stop).unwrap();
         frame.as_bytes().split_last().unwrap().1.to_vec()
     }
 
     /// The stop is obeyed: the base is told to stand, and the mode says so.
-    fn is_stopped_by(&mut self, stop: &[u8]) -> Vec<FromMind<16>> {
+    fn is_stopped_by(&mut self, stop: &[u8]) -> Vec<DeviceMessage<16>> {
         let said = self.raw(stop);
         assert!(is_stopped(&said, StopReason::Commanded), "{said:?}");
-        let order = motion(&said).expect("an order to stand");
-        assert_eq!((order.dx_mm, order.dy_mm), (0, 0));
-        assert!(matches!(said.last(), Some(FromMind::Done { .. })));
+        let command = motion(&said).expect("an order to stand");
+        assert_eq!((command.dx_mm, command.dy_mm), (0, 0));
+        assert!(matches!(said.last(), Some(DeviceMessage::Done { .. })));
         said
     }
 
@@ -30,7 +30,7 @@ impl Rig {
         for _ in 0..ms / 100 {
             self.now += 100;
             let at_ms = self.at_ms();
-            self.send(ToMind::Alive { at_ms });
+            self.send(HostMessage::Alive { at_ms });
         }
     }
 }
@@ -59,7 +59,7 @@ fn a_stop_acts_whatever_its_time() {
             let mut rig = Rig::ready(clock);
             // One command from the future comes first.
             let at_ms = rig.at_ms() + before;
-            rig.send(ToMind::Alive { at_ms });
+            rig.send(HostMessage::Alive { at_ms });
             rig.move_on();
             rig.seq = rig.seq.wrapping_add(1);
             let stop = Rig::stop_frame(SESSION, rig.seq, rig.at_ms().wrapping_add(ahead), 0);
@@ -74,16 +74,19 @@ fn one_frame_from_the_future_lets_other_commands_through() {
     let mut rig = Rig::ready(Clock::Device);
     rig.signs_of_life(1_000);
     let at_ms = rig.at_ms() + 60_000;
-    let resume = rig.packed(&ToMind::Command {
+    let resume = rig.packed(&HostMessage::Command {
         at_ms,
         ttl_ms: 1_000,
-        order: Order::Learn,
+        command: RobotCommand::Learn,
     });
     rig.raw(&resume);
     for _ in 0..50 {
         rig.now += 100;
-        assert_eq!(refusal(&rig.order(Order::Stop)), None);
-        assert_eq!(refusal(&rig.order(Order::Goal(GoalBy::Avoid))), None);
+        assert_eq!(refusal(&rig.command(RobotCommand::Stop)), None);
+        assert_eq!(
+            refusal(&rig.command(RobotCommand::Goal(GoalSpec::Avoid))),
+            None
+        );
     }
 }
 
@@ -95,7 +98,7 @@ fn a_stop_acts_though_it_is_repeated_or_late_or_of_no_session() {
     let stop = Rig::stop_frame(SESSION, rig.seq, rig.at_ms(), 1_000);
     rig.is_stopped_by(&stop);
     // It comes again after the robot was told to go on.
-    assert_eq!(refusal(&rig.order(Order::Resume)), None);
+    assert_eq!(refusal(&rig.command(RobotCommand::Resume)), None);
     rig.move_on();
     rig.is_stopped_by(&stop);
     // Again, as the very last frame.
@@ -114,9 +117,9 @@ fn a_stop_acts_though_it_is_repeated_or_late_or_of_no_session() {
         rig.move_on();
         let stop = Rig::stop_frame(session, 77, rig.at_ms(), 1_000);
         let said = rig.is_stopped_by(&stop);
-        assert!(said.contains(&FromMind::Done { seq: 77 }));
+        assert!(said.contains(&DeviceMessage::Done { seq: 77 }));
         // And once more, after an answer to the robot's own host.
-        rig.send(ToMind::Counters);
+        rig.send(HostMessage::Counters);
         rig.is_stopped_by(&stop);
     }
     // And of a host that has opened none.
@@ -138,16 +141,16 @@ fn a_clock_that_drifts_for_a_day_expires_nothing() {
             rig.now += 1_000;
             rig.ahead = first.wrapping_add((second * ppm / 1_000) as u32);
             let at_ms = rig.at_ms();
-            rig.send(ToMind::Alive { at_ms });
+            rig.send(HostMessage::Alive { at_ms });
             if second % 3_600 == 0 {
                 rig.move_on();
-                assert_eq!(refusal(&rig.order(Order::Stop)), None);
+                assert_eq!(refusal(&rig.command(RobotCommand::Stop)), None);
             }
         }
         assert_eq!(rig.node.counters().expired, 0);
-        let said = rig.send(ToMind::Counters);
+        let said = rig.send(HostMessage::Counters);
         let drift_ms = said.iter().find_map(|said| match said {
-            FromMind::Counters(counters) => Some(counters.clock_drift_ms),
+            DeviceMessage::Counters(counters) => Some(counters.clock_drift_ms),
             _ => None,
         });
         // 17.28 s a day, less the last 0.2 ms.
@@ -172,8 +175,8 @@ fn a_clock_that_is_set_stops_no_stop_and_other_commands_for_a_minute_at_most() {
             let stop = Rig::stop_frame(SESSION, rig.seq, rig.at_ms(), 100);
             assert!(is_stopped(&rig.raw(&stop), StopReason::Commanded));
             rig.signs_of_life(if back { 60_000 } else { 0 });
-            let goal = Order::Goal(GoalBy::Avoid);
-            assert_eq!(refusal(&rig.order(goal)), None, "{step_ms} {back}");
+            let goal = RobotCommand::Goal(GoalSpec::Avoid);
+            assert_eq!(refusal(&rig.command(goal)), None, "{step_ms} {back}");
         }
     }
 }
@@ -181,17 +184,17 @@ fn a_clock_that_is_set_stops_no_stop_and_other_commands_for_a_minute_at_most() {
 #[test]
 fn old_rings_are_counted_and_told_and_move_nothing() {
     let mut rig = Rig::ready(Clock::Device);
-    rig.order(Order::Seek);
+    rig.command(RobotCommand::Seek);
     // It stands for long, and hears nothing meanwhile but signs of life.
     rig.signs_of_life(1_200);
     let scan = |rig: &mut Rig, old_ms: u32, age_ms: u16| {
-        let echoes = (0..16).map(|sensor| Heard {
+        let echoes = (0..16).map(|sensor| TimedEcho {
             sensor,
             range_mm: Some(1_500),
             age_ms,
         });
         let at_ms = rig.at_ms().wrapping_sub(old_ms);
-        rig.send(ToMind::Scan {
+        rig.send(HostMessage::Scan {
             at_ms,
             echoes: echoes.collect(),
         })
@@ -202,8 +205,10 @@ fn old_rings_are_counted_and_told_and_move_nothing() {
     }
     assert_eq!(rig.node.counters().stale_echoes, 64);
     // Told once, until a decision has been taken.
-    let count = |said: &[FromMind<16>]| {
-        let told = |said: &&FromMind<16>| matches!(said, FromMind::Log(Notice::StaleEcho { .. }));
+    let count = |said: &[DeviceMessage<16>]| {
+        let told = |said: &&DeviceMessage<16>| {
+            matches!(said, DeviceMessage::Log(LogEvent::StaleEcho { .. }))
+        };
         said.iter().filter(told).count()
     };
     assert_eq!(count(&scan(&mut rig, 0, 5_000)), 0);
@@ -215,9 +220,9 @@ fn old_rings_are_counted_and_told_and_move_nothing() {
 #[test]
 fn a_motion_with_blocked_wheels_is_not_renewed_for_ever() {
     let mut rig = Rig::ready(Clock::Device);
-    rig.order(Order::Seek);
+    rig.command(RobotCommand::Seek);
     rig.now += 200;
-    let order = motion(&rig.ring(900)).unwrap();
+    let command = motion(&rig.ring(900)).unwrap();
     let began = rig.now;
     let stopped = loop {
         rig.now += 10;
@@ -226,9 +231,9 @@ fn a_motion_with_blocked_wheels_is_not_renewed_for_ever() {
             rig.ring(900);
         }
         let at_ms = rig.at_ms();
-        rig.send(ToMind::Odometry {
+        rig.send(HostMessage::Odometry {
             at_ms,
-            motion: order.id,
+            motion: command.id,
             dx_mm: 0,
             dy_mm: 0,
             turned: 0,
@@ -253,29 +258,29 @@ fn a_session_that_expects_open_space_goes_on_in_silence() {
             clock: Clock::Host,
             open_space,
         };
-        rig.send(ToMind::Hello(hello));
-        rig.order(Order::Explore { moves: 9, seed: 3 });
+        rig.send(HostMessage::Hello(hello));
+        rig.command(RobotCommand::Explore { moves: 9, seed: 3 });
         let mut moves = 0;
         for _ in 0..9 {
             rig.now += 300;
-            let echoes = (0..16).map(|sensor| Heard {
+            let echoes = (0..16).map(|sensor| TimedEcho {
                 sensor,
                 range_mm: None,
                 age_ms: 0,
             });
             let at_ms = rig.at_ms();
-            let said = rig.send(ToMind::Scan {
+            let said = rig.send(HostMessage::Scan {
                 at_ms,
                 echoes: echoes.collect(),
             });
-            let moving = |order: &MotionOrder| (order.dx_mm, order.dy_mm) != (0, 0);
-            let Some(order) = motion(&said).filter(moving) else {
-                assert!(is_stopped(&said, StopReason::NothingHeard));
+            let moving = |command: &MotionCommand| (command.dx_mm, command.dy_mm) != (0, 0);
+            let Some(command) = motion(&said).filter(moving) else {
+                assert!(is_stopped(&said, StopReason::NoEchoes));
                 break;
             };
             moves += 1;
             rig.now += 200;
-            rig.carried_out(order);
+            rig.carried_out(command);
         }
         assert_eq!(moves, if open_space { 9 } else { 2 });
     }
@@ -290,7 +295,7 @@ fn the_device_stops_the_robot_and_ends_a_motion() {
         rig.node.alarm(reason, Millis::from_ms(rig.now), &mut said);
         assert!(is_stopped(&read(&said), reason));
         // As long as it lasts, going on comes to nothing.
-        rig.order(Order::Resume);
+        rig.command(RobotCommand::Resume);
         let mut said = Said::default();
         rig.node.alarm(reason, Millis::from_ms(rig.now), &mut said);
         assert!(is_stopped(&read(&said), reason));
@@ -298,8 +303,8 @@ fn the_device_stops_the_robot_and_ends_a_motion() {
     rig.move_on();
     let mut said = Said::default();
     rig.node.touched(Millis::from_ms(rig.now), &mut said);
-    let order = motion(&read(&said)).expect("an order to stand");
-    assert_eq!((order.dx_mm, order.dy_mm), (0, 0));
+    let command = motion(&read(&said)).expect("an order to stand");
+    assert_eq!((command.dx_mm, command.dy_mm), (0, 0));
     rig.now += 200;
     assert!(motion(&rig.ring(900)).is_some());
 }
@@ -317,8 +322,8 @@ fn a_configuration_that_nobody_could_supervise_is_refused() {
         let pieces: Vec<_> = bytes.chunks(160).collect();
         let mut refused = None;
         for (number, piece) in pieces.iter().enumerate() {
-            refused = refusal(&rig.send(ToMind::Write {
-                part: Part::Config,
+            refused = refusal(&rig.send(HostMessage::Write {
+                part: TransferPart::Config,
                 offset: 160 * number as u16,
                 bytes: heapless::Vec::from_slice(piece).unwrap(),
                 last: number + 1 == pieces.len(),

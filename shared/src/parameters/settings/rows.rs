@@ -132,7 +132,7 @@ impl<const SENSORS: usize> Setting<SENSORS> {
     pub(super) const fn of(parameter: Parameter, key: &'static str, help: &'static str) -> Self {
         let spec = parameter.spec();
         let format = match spec.unit {
-            Unit::Millimetres => NumberFormat::Millimeters,
+            Unit::Millimeters => NumberFormat::Millimeters,
             Unit::Milliseconds => NumberFormat::Milliseconds,
             _ => NumberFormat::Count,
         };
@@ -141,8 +141,8 @@ impl<const SENSORS: usize> Setting<SENSORS> {
             Unit::Bits => SettingKind::Sensors,
             _ => SettingKind::Number {
                 format,
-                least: spec.least,
-                greatest: spec.greatest,
+                least: spec.min,
+                greatest: spec.max,
             },
         };
         Self {

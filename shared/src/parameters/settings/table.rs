@@ -25,7 +25,7 @@ impl<const SENSORS: usize> Setting<SENSORS> {
         )
         .between(10, 10_000),
         Self::of(
-            Parameter::Believed,
+            Parameter::Enabled,
             "disabled-sensors",
             "transducers not to believe: none, or numbers joined by +, e.g. 3+7",
         ),

@@ -8,15 +8,15 @@ pub struct Counters {
     /// Frames accepted.
     pub accepted: u32,
     /// Frames with wrong COBS or of a wrong length.
-    pub misshapen: u32,
+    pub malformed: u32,
     /// Frames with a wrong CRC.
-    pub damaged: u32,
+    pub crc_errors: u32,
     /// Sound frames without a message of this protocol.
     pub unknown: u32,
     /// Frames too long for the buffer.
     pub oversized: u32,
     /// Frames of another session or none.
-    pub strangers: u32,
+    pub wrong_session: u32,
     /// Frames that came again or too late.
     pub replayed: u32,
     /// Commands past their time to live.
@@ -42,11 +42,11 @@ impl Counters {
     /// Nothing counted.
     pub const NONE: Self = Self {
         accepted: 0,
-        misshapen: 0,
-        damaged: 0,
+        malformed: 0,
+        crc_errors: 0,
         unknown: 0,
         oversized: 0,
-        strangers: 0,
+        wrong_session: 0,
         replayed: 0,
         expired: 0,
         refused: 0,

@@ -1,16 +1,16 @@
 //! From the device to the host: motions, decisions, answers and notices.
 
-use super::{Counters, Dimensions, FlashError, MAX_PIECE, Oscillator, Part, ResetCause};
-use crate::controller::{CommandRefusal, Decision, Mode, Motion, PartError, StopReason};
+use super::{Counters, Dimensions, FlashError, MAX_CHUNK, Oscillator, ResetCause, TransferPart};
+use crate::controller::{CommandRefusal, Decision, Mode, Motion, StopReason, TransferError};
 use crate::faults::{SensorFault, SensorVerdict};
 use crate::goal::{Goal, Name};
-use crate::parameters::{Parameter, ParameterError, Spec};
+use crate::parameters::{Parameter, ParameterError, ParameterSpec};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 /// The device's hello.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct MindHello {
+pub struct DeviceHello {
     /// What both ends have to agree on.
     pub dimensions: Dimensions,
     /// Samples the memory holds.
@@ -35,16 +35,16 @@ pub struct Report<const SENSORS: usize> {
     /// Time by the session's clock.
     pub device_ms: u32,
     /// The message.
-    pub said: FromMind<SENSORS>,
+    pub message: DeviceMessage<SENSORS>,
 }
 
 /// From the device to the host.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub enum FromMind<const SENSORS: usize> {
+pub enum DeviceMessage<const SENSORS: usize> {
     /// Who this is. Also sent unasked after each start, in session 0.
-    Hello(MindHello),
-    /// What the base is to do.
-    Motion(MotionOrder),
+    Hello(DeviceHello),
+    /// What the base has to do.
+    Motion(MotionCommand),
     /// How a decision came about.
     Decision(Decision<SENSORS>),
     /// The mode changed.
@@ -55,19 +55,19 @@ pub enum FromMind<const SENSORS: usize> {
     Refusal {
         /// Number of the frame that asked for it.
         seq: u16,
-        /// Why.
-        why: Refusal,
+        /// The reason.
+        reason: Refusal,
     },
-    /// A piece of a part.
-    Piece {
+    /// A chunk of a part.
+    Chunk {
         /// The part.
-        part: Part,
-        /// Where the piece begins.
+        part: TransferPart,
+        /// Where the chunk begins.
         offset: u16,
         /// Bytes of the whole part.
         total: u16,
-        /// The piece; empty beyond the end.
-        bytes: Vec<u8, MAX_PIECE>,
+        /// The chunk; empty beyond the end.
+        bytes: Vec<u8, MAX_CHUNK>,
     },
     /// A parameter's value and what it may be.
     Parameter {
@@ -76,10 +76,10 @@ pub enum FromMind<const SENSORS: usize> {
         /// Its value.
         value: i32,
         /// What it may be.
-        spec: Spec,
+        spec: ParameterSpec,
     },
-    /// Something for a person to read.
-    Log(Notice),
+    /// An event for the host's log.
+    Log(LogEvent),
     /// A frame has been handled; all its results were sent before.
     Done {
         /// Its number.
@@ -90,7 +90,7 @@ pub enum FromMind<const SENSORS: usize> {
         /// How long.
         ms: u32,
     },
-    /// A goal that is kept.
+    /// A goal.
     Goal {
         /// Its name; none for the present goal.
         name: Name,
@@ -101,7 +101,7 @@ pub enum FromMind<const SENSORS: usize> {
 
 /// A motion with its time to live: the base stops when it ends, and executes nothing older.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct MotionOrder {
+pub struct MotionCommand {
     /// Number of the motion.
     pub id: u16,
     /// Counts the motion's shortenings. The same number and revision again only renew the time to
@@ -118,7 +118,7 @@ pub struct MotionOrder {
     pub ttl_ms: u16,
 }
 
-impl MotionOrder {
+impl MotionCommand {
     /// The motion as the controller asks for it.
     #[must_use]
     pub const fn motion(self) -> Motion {
@@ -163,10 +163,10 @@ impl<const SENSORS: usize> From<&Mode<SENSORS>> for ModeReport {
     }
 }
 
-/// Something for a person to read.
+/// An event for the host's log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Notice {
-    /// The host fell silent; the robot stood still from then on.
+pub enum LogEvent {
+    /// No frame of the host for too long; the robot stopped.
     LinkLost,
     /// Frames were lost because the link was too slow for them.
     FramesDropped {
@@ -174,14 +174,14 @@ pub enum Notice {
         count: u32,
     },
     /// A transducer is faulty and disabled.
-    Disbelieved {
+    SensorDisabled {
         /// Transducer.
         sensor: u8,
         /// What is wrong with it.
         fault: SensorFault,
     },
     /// A transducer is sound again and enabled.
-    Believed {
+    SensorEnabled {
         /// Transducer.
         sensor: u8,
     },
@@ -192,11 +192,10 @@ pub enum Notice {
     },
 }
 
-impl From<SensorVerdict> for Notice {
+impl From<SensorVerdict> for LogEvent {
     fn from(SensorVerdict { sensor, fault }: SensorVerdict) -> Self {
-        fault.map_or(Self::Believed { sensor }, |fault| Self::Disbelieved {
-            sensor,
-            fault,
+        fault.map_or(Self::SensorEnabled { sensor }, |fault| {
+            Self::SensorDisabled { sensor, fault }
         })
     }
 }
@@ -217,20 +216,20 @@ pub enum Refusal {
     Command(CommandRefusal),
     /// The parameter was not set.
     Parameter(ParameterError),
-    /// The piece was not taken.
-    Piece(PartError),
+    /// The chunk was not accepted.
+    Transfer(TransferError),
     /// The bytes are no configuration.
     Config,
     /// Not while the robot may move.
     Moving,
     /// This program has no ring of its own.
     NoRing,
-    /// Nothing has been heard of some transducers yet.
-    NothingPerceived,
-    /// What outlives a loss of power is as it was.
+    /// Some transducers have not been heard yet.
+    NoSituation,
+    /// The flash operation failed; what was saved is as it was.
     Flash(FlashError),
-    /// No goal is kept under this name.
+    /// No goal is saved under this name.
     NoSuchGoal,
-    /// The goal was not kept: a name that is none, or too many goals.
-    GoalName,
+    /// The goal was not saved: an invalid name, or too many goals.
+    InvalidGoalName,
 }

@@ -1,6 +1,6 @@
 //! From the host to the device: requests, echoes, odometry and commands.
 
-use super::{Clock, Dimensions, MAX_ECHOES, MAX_PIECE, Part, Source};
+use super::{Clock, Dimensions, MAX_CHUNK, MAX_ECHOES, Source, TransferPart};
 use crate::controller::Progress;
 use crate::goal::{Goal, Name};
 use crate::memory::SituationBytes;
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 /// From the host to the device.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ToMind<const SENSORS: usize> {
+pub enum HostMessage<const SENSORS: usize> {
     /// Opens a session: the one in the frame's header. Answered with the device's hello, or
     /// refused.
     Hello(HostHello),
@@ -19,12 +19,12 @@ pub enum ToMind<const SENSORS: usize> {
         /// Host's time.
         at_ms: u32,
     },
-    /// Echoes in the order they were heard.
+    /// Echoes in the order they were received.
     Scan {
         /// Host's time of the last echo.
         at_ms: u32,
         /// The echoes.
-        echoes: Vec<Heard, MAX_ECHOES>,
+        echoes: Vec<TimedEcho, MAX_ECHOES>,
     },
     /// What the base has done since its last report.
     Odometry {
@@ -41,30 +41,30 @@ pub enum ToMind<const SENSORS: usize> {
         /// What became of the motion.
         progress: Progress,
     },
-    /// Something to do. Not done when older than its time to live; [`Order::Stop`] is always done.
+    /// Something to do. Not done when older than its time to live; [`RobotCommand::Stop`] is always done.
     Command {
         /// Host's time.
         at_ms: u32,
         /// Time to live.
         ttl_ms: u16,
-        /// What to do.
-        order: Order<SENSORS>,
+        /// The command.
+        command: RobotCommand<SENSORS>,
     },
-    /// Asks for a piece of a part; answered with [`FromMind::Piece`](super::FromMind::Piece).
+    /// Asks for a piece of a part; answered with [`DeviceMessage::Chunk`](super::DeviceMessage::Chunk).
     Read {
         /// The part.
-        part: Part,
+        part: TransferPart,
         /// First byte wanted.
         offset: u16,
     },
-    /// Replaces a piece of a part.
+    /// Replaces a chunk of a part.
     Write {
         /// The part.
-        part: Part,
-        /// Where the piece begins.
+        part: TransferPart,
+        /// Where the chunk begins.
         offset: u16,
-        /// The piece.
-        bytes: Vec<u8, MAX_PIECE>,
+        /// The chunk.
+        bytes: Vec<u8, MAX_CHUNK>,
         /// It is the last one: a configuration takes effect.
         last: bool,
     },
@@ -81,44 +81,44 @@ pub enum ToMind<const SENSORS: usize> {
     Source(Source),
     /// Asks for the mode.
     Mode,
-    /// Something to do with what outlives a loss of power. Refused while the robot may move; *Done*
-    /// comes when it is over.
-    Flash(Flash),
-    /// Keeps the present goal under a name, in place of the one that had it.
-    Keep {
+    /// Saves to, loads from or erases the flash. Refused while the robot may move; *Done* comes
+    /// when it is over.
+    Flash(FlashOperation),
+    /// Saves the present goal under a name, in place of the one that had it.
+    SaveGoal {
         /// The name.
         name: Name,
     },
-    /// Forgets the goal kept under a name.
-    Drop {
+    /// Deletes the goal saved under a name.
+    DeleteGoal {
         /// The name.
         name: Name,
     },
-    /// Asks for the present goal and those kept; answered with a
-    /// [`FromMind::Goal`](super::FromMind::Goal) for each.
-    Goals,
+    /// Asks for the present goal and those saved; answered with a
+    /// [`DeviceMessage::Goal`](super::DeviceMessage::Goal) for each.
+    ListGoals,
 }
 
-/// What to do with what outlives a loss of power.
+/// What to do with the flash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Flash {
+pub enum FlashOperation {
     /// Save configuration, maps, memory and goals.
     Save,
-    /// Replace them by those saved last, as a start does.
-    Recall,
+    /// Load those saved last, as a start does.
+    Load,
     /// Erase all that was saved.
     Erase,
 }
 
-/// Why that was not done.
+/// Why a [`FlashOperation`] failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FlashError {
-    /// This device keeps nothing.
-    Absent,
+    /// This device has no flash to save to.
+    NoFlash,
     /// Nothing was saved.
     Empty,
     /// What was saved last was saved by another version of the program.
-    Unreadable,
+    OtherVersion,
     /// The device could not erase, write or read; whatever was saved before still is.
     Failed,
 }
@@ -126,9 +126,9 @@ pub enum FlashError {
 impl core::fmt::Display for FlashError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
-            Self::Absent => "it has nothing to save to",
+            Self::NoFlash => "it has nothing to save to",
             Self::Empty => "nothing was saved",
-            Self::Unreadable => "another version of its program saved last",
+            Self::OtherVersion => "another version of its program saved last",
             Self::Failed => "its flash could not be erased, written or read",
         })
     }
@@ -136,11 +136,11 @@ impl core::fmt::Display for FlashError {
 
 impl core::error::Error for FlashError {}
 
-/// Something to do.
+/// A command to the robot.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Order<const SENSORS: usize> {
+pub enum RobotCommand<const SENSORS: usize> {
     /// The goal from now on.
-    Goal(GoalBy<SENSORS>),
+    Goal(GoalSpec<SENSORS>),
     /// Random moves.
     Explore {
         /// How many.
@@ -160,9 +160,9 @@ pub enum Order<const SENSORS: usize> {
     Forget,
 }
 
-/// Ways to say a goal.
+/// Ways to specify a goal.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub enum GoalBy<const SENSORS: usize> {
+pub enum GoalSpec<const SENSORS: usize> {
     /// Obstacle avoidance: nothing within the configured clearance.
     Avoid,
     /// What is perceived now, from the latest echoes.
@@ -171,18 +171,18 @@ pub enum GoalBy<const SENSORS: usize> {
     Situation(#[serde(with = "crate::arrays")] SituationBytes<SENSORS>),
     /// Interval and weight for each transducer.
     Components(Goal<SENSORS>),
-    /// The goal kept under this name.
-    Kept(Name),
+    /// The goal saved under this name.
+    Saved(Name),
 }
 
-/// An echo and when it was heard.
+/// An echo with its age.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Heard {
+pub struct TimedEcho {
     /// Transducer.
     pub sensor: u8,
     /// Range; `None` = nothing answered.
     pub range_mm: Option<u16>,
-    /// How long before the message's time it was heard.
+    /// How long before the message's time it was received.
     pub age_ms: u16,
 }
 

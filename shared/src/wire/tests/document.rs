@@ -10,7 +10,7 @@ use crate::shield::{ARCS_PER_SENSOR, Shield, ShieldConfig};
 use crate::som::{Decay, Schedule};
 use crate::units::{Bearing, Displacement, Millis, Range};
 use crate::wire::PROTOCOL;
-use crate::wire::message::{MAX_ECHOES, MAX_PIECE};
+use crate::wire::message::{MAX_CHUNK, MAX_ECHOES};
 use std::format;
 use std::string::{String, ToString as _};
 use std::sync::{LazyLock, Mutex, PoisonError};
@@ -286,9 +286,9 @@ const fn field_of(parameter: Parameter) -> Option<&'static str> {
         Parameter::Clearance => "Config.clearance_mm",
         Parameter::Step => "RobotSpec.step_mm",
         Parameter::Speed => "RobotSpec.speed_mm_s",
-        Parameter::Margin => "Shielding.margin_mm",
+        Parameter::Margin => "ShieldConfig.margin_mm",
         Parameter::Epochs => "Learning.epochs",
-        Parameter::Believed => "Config.believed",
+        Parameter::Enabled => "Config.enabled",
         Parameter::RingPeriod => "RobotSpec.ring_period_ms",
         Parameter::Shield | Parameter::Online | Parameter::FaultDetection => return None,
     })
@@ -305,7 +305,7 @@ fn a_field_that_a_parameter_sets_has_its_unit_and_range() {
             // All 32 of them: as a number the mask is signed in one place and unsigned in the
             // other.
             Unit::Bits => (0, u32::MAX.into()),
-            _ => (spec.least.into(), spec.greatest.into()),
+            _ => (spec.min.into(), spec.max.into()),
         };
         let wanted = (spec.unit.to_string(), least, greatest);
         assert_eq!(documented(field), wanted, "{field}");
@@ -326,45 +326,45 @@ fn ranges_end_where_the_program_says() {
         ("Dimensions.protocol", PROTOCOL.into(), PROTOCOL.into()),
         ("Dimensions.sensors", 16, 16),
         ("Dimensions.neurons", 16, 16),
-        ("ToMind.Write.offset", 0, parts),
-        ("Heard.sensor", 0, 15),
-        ("Heard.range_mm", 0, farthest),
+        ("HostMessage.Write.offset", 0, parts),
+        ("TimedEcho.sensor", 0, 15),
+        ("TimedEcho.range_mm", 0, farthest),
         (
-            "FromMind.Motion.speed_mm_s",
+            "DeviceMessage.Motion.speed_mm_s",
             0,
-            Parameter::Speed.spec().greatest.into(),
+            Parameter::Speed.spec().max.into(),
         ),
         (
-            "FromMind.Motion.ttl_ms",
+            "DeviceMessage.Motion.ttl_ms",
             MOTION_TTL_MS.into(),
             MOTION_TTL_MS.into(),
         ),
-        ("FromMind.Piece.total", 0, parts),
-        ("MindHello.samples", SAMPLES as i128, SAMPLES as i128),
+        ("DeviceMessage.Chunk.total", 0, parts),
+        ("DeviceHello.samples", SAMPLES as i128, SAMPLES as i128),
         (
-            "CommandRefusal.Moves.most",
+            "CommandRefusal.InvalidMoveCount.max",
             SAMPLES as i128,
             SAMPLES as i128,
         ),
         ("Plan.goal_neuron", 0, 15),
         ("Plan.current_neuron", 0, 15),
-        ("Plan.intermediate_neuron", 0, 15),
+        ("Plan.subgoal_neuron", 0, 15),
         ("Plan.action_neuron", 0, 15),
         ("Plan.wanted", -one, one),
-        ("Notice.Disbelieved.sensor", 0, 15),
-        ("Notice.Believed.sensor", 0, 15),
+        ("LogEvent.SensorDisabled.sensor", 0, 15),
+        ("LogEvent.SensorEnabled.sensor", 0, 15),
         // A face is kept as a displacement.
         ("RobotSpec.face_radius_mm", 0, i16::MAX.into()),
         ("Direction.x_q14", -cosine, cosine),
         ("Direction.y_q14", -cosine, cosine),
-        ("Shielding.places", 1, ARCS_PER_SENSOR as i128),
-        ("FromMind.Decision.situation", 0, one),
+        ("ShieldConfig.places", 1, ARCS_PER_SENSOR as i128),
+        ("DeviceMessage.Decision.situation", 0, one),
         ("Planning.tolerance", 0, one),
         ("Goal.cap", 0, one),
         ("Goal.tolerance", 0, one),
         ("Component.low", 0, one),
         // Bytes of text.
-        ("MindHello.build", 0, 127),
+        ("DeviceHello.build", 0, 127),
         // Older than a time to live of 0, and half of the clock's range at most.
         ("Refusal.Expired.age_ms", 1, i32::MAX.into()),
         // Without deceleration there is no speed from which the robot stops; of the others 0 counts
@@ -372,7 +372,7 @@ fn ranges_end_where_the_program_says() {
         ("RobotSpec.braking_mm_s2", 1, u16::MAX.into()),
         ("Exploration.draws", 1, u8::MAX.into()),
         ("Learning.slice", 1, 16),
-        ("Shielding.spacing_mm", 1, u16::MAX.into()),
+        ("ShieldConfig.spacing_mm", 1, u16::MAX.into()),
     ];
     for (path, least, greatest) in ends {
         let (_, from, to) = documented(path);
@@ -384,7 +384,7 @@ fn ranges_end_where_the_program_says() {
         .filter(|(_, cells)| cells[1].starts_with("vec<"));
     for (symbol, cells) in vectors {
         let wanted = match cells[1].as_str() {
-            "vec<u8>" => format!("at most {MAX_PIECE} bytes"),
+            "vec<u8>" => format!("at most {MAX_CHUNK} bytes"),
             _ => format!("at most {MAX_ECHOES}"),
         };
         assert_eq!(cells[2], wanted, "{symbol}.{}", cells[0]);
@@ -395,7 +395,7 @@ fn ranges_end_where_the_program_says() {
 /// displacements within 16 up to the documented end and no farther.
 #[test]
 fn ranges_end_where_numbers_do() {
-    let most = |parameter: Parameter| i128::from(parameter.spec().greatest);
+    let most = |parameter: Parameter| i128::from(parameter.spec().max);
     let reach_fits = |body_mm: i128| {
         let reach_mm = body_mm + most(Parameter::Margin);
         i32::try_from(reach_mm * reach_mm).is_ok()
@@ -425,7 +425,7 @@ fn what_lies_beyond_a_range_counts_as_its_end() {
         schedule.end_q16()
     };
     assert_eq!([4, 5, 6].map(end), [4, 5, 5]);
-    let lobe = greatest("Shielding.half_lobe") as u16;
+    let lobe = greatest("ShieldConfig.half_lobe") as u16;
     let ways = [lobe / 2, lobe, lobe + 1, u16::MAX].map(way_beside_an_echo);
     assert!(ways[0] > ways[1], "{ways:?}");
     assert_eq!(ways[1..], [ways[1]; 3]);
@@ -466,7 +466,7 @@ fn the_table_of_parameters_holds_their_units_and_ranges() {
                 Unit::Count => "count".into(),
                 unit => unit.to_string(),
             };
-            let (least, greatest) = (spec.least.to_string(), spec.greatest.to_string());
+            let (least, greatest) = (spec.min.to_string(), spec.max.to_string());
             std::vec![
                 number.to_string(),
                 parameter.name().into(),
@@ -485,6 +485,6 @@ fn the_frame_taken_apart_is_the_example() {
     let (block, _) = block.split_once("```").expect("the block's end");
     let bytes = block.lines().filter_map(|line| line.split("  ").next());
     let whole = bytes.collect::<Vec<_>>().join(" ");
-    let example = format!("to mind, scan\n{whole}\n");
+    let example = format!("to device, scan\n{whole}\n");
     assert!(DOCUMENT.contains(&example), "{whole}");
 }

@@ -8,8 +8,8 @@ use amp::node::{FrameSink, Identity, NomadNode};
 use amp::som::Grid;
 use amp::units::Millis;
 use amp::wire::message::{
-    Clock, Dimensions, FromMind, GoalBy, Heard, HostHello, MAX_PIECE, MotionOrder, Order, Part,
-    ToMind,
+    Clock, DeviceMessage, Dimensions, GoalSpec, HostHello, HostMessage, MAX_CHUNK, MotionCommand,
+    RobotCommand, TimedEcho, TransferPart,
 };
 use amp::wire::{Frame, Header, PROTOCOL, Report, SCHEMA, frame};
 use core::hint::black_box;
@@ -25,7 +25,7 @@ pub fn packing(watch: &Stopwatch, episode: &CountedEpisode<'_>) -> InstructionSt
     for decision in &episode.decisions {
         let report = Report {
             device_ms: 123_456,
-            said: FromMind::Decision(*decision),
+            message: DeviceMessage::Decision(*decision),
         };
         let header = Header {
             session: 7,
@@ -63,7 +63,7 @@ pub fn decisions(watch: &Stopwatch, episode: &CountedEpisode<'_>) -> LinkCounts 
     for _ in 0..DECISIONS {
         let scan = base.pack(&base.scan());
         let scan = &scan.as_bytes()[..scan.as_bytes().len() - 1];
-        let (unpack, _) = watch.count(|| frame::unpack::<ToMind<16>>(black_box(scan)));
+        let (unpack, _) = watch.count(|| frame::unpack::<HostMessage<16>>(black_box(scan)));
         counts.unpack.add(unpack);
         base.sent.0.clear();
         let (decision, ()) = watch.count(|| {
@@ -94,7 +94,7 @@ impl LinkedBase {
             Millis::from_ms(0),
             &mut base.sent,
         );
-        base.send(&ToMind::Hello(HostHello {
+        base.send(&HostMessage::Hello(HostHello {
             dimensions: Dimensions {
                 protocol: PROTOCOL,
                 schema: SCHEMA,
@@ -104,15 +104,27 @@ impl LinkedBase {
             clock: Clock::Host,
             open_space: false,
         }));
-        base.upload(episode, Part::Situations, controller::StatePart::Situations);
-        base.upload(episode, Part::Changes, controller::StatePart::Changes);
-        base.upload(episode, Part::Actions, controller::StatePart::Actions);
-        for order in [Order::Goal(GoalBy::Avoid), Order::Seek] {
+        base.upload(
+            episode,
+            TransferPart::Situations,
+            controller::StatePart::Situations,
+        );
+        base.upload(
+            episode,
+            TransferPart::Changes,
+            controller::StatePart::Changes,
+        );
+        base.upload(
+            episode,
+            TransferPart::Actions,
+            controller::StatePart::Actions,
+        );
+        for command in [RobotCommand::Goal(GoalSpec::Avoid), RobotCommand::Seek] {
             let (at_ms, ttl_ms) = (base.time, 500);
-            base.send(&ToMind::Command {
+            base.send(&HostMessage::Command {
                 at_ms,
                 ttl_ms,
-                order,
+                command,
             });
         }
         // Otherwise the echoes of the first ring would be older than the session.
@@ -121,15 +133,20 @@ impl LinkedBase {
     }
 
     /// Uploads a part of the episode's state to the node.
-    fn upload(&mut self, episode: &CountedEpisode<'_>, part: Part, of: controller::StatePart) {
+    fn upload(
+        &mut self,
+        episode: &CountedEpisode<'_>,
+        part: TransferPart,
+        of: controller::StatePart,
+    ) {
         let mut offset = 0;
         loop {
-            let mut piece = [0; MAX_PIECE];
+            let mut piece = [0; MAX_CHUNK];
             let count = episode.state.read_part(of, offset, &mut piece);
             if count == 0 {
                 return;
             }
-            self.send(&ToMind::Write {
+            self.send(&HostMessage::Write {
                 part,
                 offset: offset as u16,
                 bytes: Vec::from_slice(&piece[..count]).expect("a piece fits"),
@@ -139,22 +156,22 @@ impl LinkedBase {
         }
     }
 
-    fn scan(&self) -> ToMind<16> {
-        let echoes = (0..16_u8).map(|sensor| Heard {
+    fn scan(&self) -> HostMessage<16> {
+        let echoes = (0..16_u8).map(|sensor| TimedEcho {
             sensor,
             range_mm: Some(self.room.range_mm(usize::from(sensor))),
             age_ms: 40 * (15 - u16::from(sensor)),
         });
-        ToMind::Scan {
+        HostMessage::Scan {
             at_ms: self.time,
             echoes: echoes.collect(),
         }
     }
 
-    fn carry_out(&mut self, motion: MotionOrder) {
+    fn carry_out(&mut self, motion: MotionCommand) {
         let moved = self.room.drive(motion.motion().displacement);
         self.pass();
-        self.send(&ToMind::Odometry {
+        self.send(&HostMessage::Odometry {
             at_ms: self.time,
             motion: motion.id,
             dx_mm: moved.dx_mm,
@@ -169,12 +186,12 @@ impl LinkedBase {
     fn pass(&mut self) {
         for _ in 0..4 {
             self.time += 160;
-            self.send(&ToMind::Alive { at_ms: self.time });
+            self.send(&HostMessage::Alive { at_ms: self.time });
         }
     }
 
     /// Packs the next frame.
-    fn pack(&mut self, message: &ToMind<16>) -> Frame {
+    fn pack(&mut self, message: &HostMessage<16>) -> Frame {
         self.seq += 1;
         let header = Header {
             session: 7,
@@ -183,7 +200,7 @@ impl LinkedBase {
         Frame::pack(header, message).expect("it fits a frame")
     }
 
-    fn send(&mut self, message: &ToMind<16>) {
+    fn send(&mut self, message: &HostMessage<16>) {
         let frame = self.pack(message);
         let bytes = frame.as_bytes();
         self.node.frame(
@@ -200,11 +217,11 @@ struct SentFrames(Vec<u8, 1_024>);
 
 impl SentFrames {
     /// The motion among the frames.
-    fn motion(&self) -> Option<MotionOrder> {
+    fn motion(&self) -> Option<MotionCommand> {
         let frames = self.0.split(|byte| *byte == 0);
         let mut reports = frames.filter_map(|bytes| frame::unpack::<Report<16>>(bytes).ok());
-        reports.find_map(|(_, report)| match report.said {
-            FromMind::Motion(motion) => Some(motion),
+        reports.find_map(|(_, report)| match report.message {
+            DeviceMessage::Motion(motion) => Some(motion),
             _ => None,
         })
     }

@@ -68,7 +68,7 @@ fn plans() {
     };
     sink(planner.plan(&any([weight(); 16]), &goal()));
     sink(difference(&any([weight(); 16]), &any([weight(); 16])));
-    format_text(any(Why::Neighbour));
+    format_text(any(Why::Neighbor));
 }
 
 fn shields() {

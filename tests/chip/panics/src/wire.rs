@@ -7,7 +7,7 @@ use crate::{any, bytes, format_text, sink};
 use amp::link::Link;
 use amp::node::{FrameSink, Identity, NomadNode};
 use amp::store::check;
-use amp::wire::message::{Clock, FlashError, Heard, Order, ToMind};
+use amp::wire::message::{Clock, FlashError, HostMessage, RobotCommand, TimedEcho};
 use amp::wire::{CRC, Frame, Header, Receiver, Report, cobs, frame};
 use heapless::Vec;
 
@@ -32,7 +32,7 @@ fn coding() {
 
 /// Both directions of both kinds of messages.
 fn packing() {
-    if let Ok((header, message)) = frame::unpack::<ToMind<16>>(bytes()) {
+    if let Ok((header, message)) = frame::unpack::<HostMessage<16>>(bytes()) {
         packed(header, &message);
     }
     match frame::unpack::<Report<16>>(bytes()) {
@@ -40,25 +40,25 @@ fn packing() {
         Err(why) => format_text(why),
     }
     let mut echoes = any(Vec::new());
-    sink(echoes.push(any(Heard {
+    sink(echoes.push(any(TimedEcho {
         sensor: 1,
         range_mm: Some(2),
         age_ms: 3,
     })));
     packed(
         header(),
-        &ToMind::<16>::Scan {
+        &HostMessage::<16>::Scan {
             at_ms: any(1),
             echoes,
         },
     );
-    let order = any(Order::<16>::Seek);
+    let command = any(RobotCommand::<16>::Seek);
     packed(
         header(),
-        &ToMind::Command {
+        &HostMessage::Command {
             at_ms: any(1),
             ttl_ms: any(2),
-            order,
+            command,
         },
     );
 }

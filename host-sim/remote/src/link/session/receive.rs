@@ -2,7 +2,7 @@
 
 use super::Session;
 use crate::link::LinkError;
-use amp::wire::message::{FromMind, ResetCause};
+use amp::wire::message::{DeviceMessage, ResetCause};
 use amp::wire::{FrameError, Header, Report, frame};
 use std::time::Instant;
 
@@ -27,18 +27,18 @@ impl Session {
         while let Some((header, report)) = self.next(until)? {
             if header.session == self.number {
                 let is_new = self.is_new(header.seq);
-                match report.said {
+                match report.message {
                     // A repeated hello.
-                    FromMind::Hello(_) => continue,
-                    FromMind::Done { .. } => {}
+                    DeviceMessage::Hello(_) => continue,
+                    DeviceMessage::Done { .. } => {}
                     _ if !is_new => continue,
                     _ => {}
                 }
                 return Ok(Some((header.seq, report)));
             }
-            match (header.session, report.said) {
-                (0, FromMind::Hello(hello)) => return Err(LinkError::Restarted(hello.reset)),
-                (0, FromMind::Refusal { .. }) => {
+            match (header.session, report.message) {
+                (0, DeviceMessage::Hello(hello)) => return Err(LinkError::Restarted(hello.reset)),
+                (0, DeviceMessage::Refusal { .. }) => {
                     return Err(LinkError::Restarted(ResetCause::Unknown));
                 }
                 // A late report of an earlier session.
@@ -124,7 +124,7 @@ mod tests {
         assert_eq!(hear(1), (true, vec![65_534]));
         let said = |device_ms| Report {
             device_ms,
-            said: FromMind::Counters(amp::wire::message::Counters::NONE),
+            message: DeviceMessage::Counters(amp::wire::message::Counters::NONE),
         };
         let numbered = vec![(1, said(4)), (65_535, said(2)), (0, said(3))];
         let answer = session.answer(7, numbered);

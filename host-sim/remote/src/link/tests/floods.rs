@@ -3,8 +3,8 @@
 use super::opened;
 use crate::link::{Flood, InProcessNode, LinkError, RetryPolicy, Session};
 use amp::config::Config;
-use amp::wire::message::{Clock, Counters, FromMind};
-use amp::wire::{Frame, Header, Report, ToMind};
+use amp::wire::message::{Clock, Counters, DeviceMessage};
+use amp::wire::{Frame, Header, HostMessage, Report};
 use std::time::{Duration, Instant};
 
 const RETRY: RetryPolicy = RetryPolicy {
@@ -22,7 +22,7 @@ pub(in crate::link) fn frames(session: u16, step: u16) -> impl FnMut() -> Vec<u8
         seq = seq.wrapping_add(step);
         let report: Report<16> = Report {
             device_ms: 0,
-            said: FromMind::Counters(Counters::NONE),
+            message: DeviceMessage::Counters(Counters::NONE),
         };
         let frame = Frame::pack(Header { session, seq }, &report).unwrap();
         frame.as_bytes().to_vec()
@@ -55,9 +55,9 @@ fn no_wait_outlasts_its_attempts_however_much_is_sent() {
         };
         let opening = end(|session| session.open(1, Clock::Host).err());
         assert_eq!(opening, silent, "{name}");
-        let request = end(|session| session.request(&ToMind::Counters).err());
+        let request = end(|session| session.request(&HostMessage::Counters).err());
         assert_eq!(request, silent, "{name}");
-        let asking = end(|session| session.query(&ToMind::Counters).err());
+        let asking = end(|session| session.query(&HostMessage::Counters).err());
         assert_eq!(asking, silent, "{name}");
         let counting = end(|session| session.counters().err());
         assert_eq!(counting, silent, "{name}");

@@ -5,7 +5,7 @@ use amp::config::Config;
 use amp::controller::{Command, CommandRefusal as Refused, Event, Outputs, Progress, StopReason};
 use amp::parameters::{Parameter, ParameterError};
 use amp::units::{Bearing, Displacement, Millis, Range};
-use amp::wire::message::{Clock, Order, Part, Refusal};
+use amp::wire::message::{Clock, Refusal, RobotCommand, TransferPart};
 use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::World;
@@ -20,7 +20,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 pub(super) mod floods;
-mod strangers;
+mod foreign_frames;
 
 fn setup(sonar: SonarModel, moves: u16, steps: u32) -> Setup {
     Setup {
@@ -138,7 +138,7 @@ fn knowledge_goes_from_one_mind_to_another_through_a_file() {
     read.upload(&mut pupil).unwrap();
     assert_eq!(Knowledge::download(&mut pupil).unwrap(), knowledge);
     // It has learned.
-    pupil.command(0, Order::Seek).unwrap();
+    pupil.command(0, RobotCommand::Seek).unwrap();
     let refused = Err(LinkError::Refused(Refusal::Moving));
     assert_eq!(Knowledge::download(&mut pupil), refused);
     assert_eq!(read.upload(&mut pupil).map(|()| knowledge), refused);
@@ -165,20 +165,22 @@ fn refusals_come_through() {
     let mut session = local();
     let hundred_and_one = setup(SonarModel::Ideal, 101, 1);
     let failure = there(&mut session, &World::random(1), &hundred_and_one).err();
-    let most = Refused::Moves { most: 100 };
+    let most = Refused::InvalidMoveCount { max: 100 };
     assert_eq!(failure, Some(EpisodeError::Refused(most)));
     let refused = |error: LinkError| match error {
         LinkError::Refused(why) => why,
         other => panic!("{other}"),
     };
-    let learn = session.command(0, Order::Learn).map_err(refused);
+    let learn = session.command(0, RobotCommand::Learn).map_err(refused);
     assert_eq!(learn, Err(Refusal::Command(Refused::NoSamples)));
     let near = session
         .parameter(Parameter::Near, Some(-1))
         .map_err(refused);
-    let range = ParameterError::Range(Parameter::Near.spec());
+    let range = ParameterError::OutOfRange(Parameter::Near.spec());
     assert_eq!(near, Err(Refusal::Parameter(range)));
-    let bad = session.write_part(Part::Config, &[9; 9]).map_err(refused);
+    let bad = session
+        .write_part(TransferPart::Config, &[9; 9])
+        .map_err(refused);
     assert_eq!(bad, Err(Refusal::Config));
 }
 

@@ -5,8 +5,8 @@ use crate::link::{InProcessNode, LinkError, Session, Silent, Transport};
 use amp::config::Config;
 use amp::parameters::Parameter;
 use amp::robot::RobotSpec;
-use amp::wire::message::{Clock, Dimensions, FromMind, ModeReport, Refusal};
-use amp::wire::{Frame, PROTOCOL, Report, SCHEMA, ToMind, frame};
+use amp::wire::message::{Clock, DeviceMessage, Dimensions, ModeReport, Refusal};
+use amp::wire::{Frame, HostMessage, PROTOCOL, Report, SCHEMA, frame};
 use std::io;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -44,12 +44,12 @@ impl<T: Transport> Transport for Stranger<T> {
         let Ok((header, mut report)) = frame::unpack::<Report<16>>(&bytes) else {
             return Ok(0);
         };
-        if let FromMind::Hello(hello) = &mut report.said {
+        if let DeviceMessage::Hello(hello) = &mut report.message {
             hello.dimensions = self.dimensions;
             if self.refuses {
-                report.said = FromMind::Refusal {
+                report.message = DeviceMessage::Refusal {
                     seq: 0,
-                    why: Refusal::Incompatible(self.dimensions),
+                    reason: Refusal::Incompatible(self.dimensions),
                 };
             }
         }
@@ -161,7 +161,7 @@ fn a_late_answer_of_the_session_before_is_nobodys() {
     let mut earlier = opened(shared.clone());
     // The response stays on the line.
     let mut other = Session::new(shared);
-    earlier.queue(&ToMind::Counters).unwrap();
+    earlier.queue(&HostMessage::Counters).unwrap();
     earlier.send_heartbeat(0).unwrap();
     other.open(2, Clock::Host).unwrap();
     let (value, _) = other.parameter(Parameter::Step, None).unwrap();
