@@ -1,8 +1,8 @@
 //! Whole robot steps per second: sense, mind and motion, in rooms of few and of very many surfaces.
 //!
-//! With the argument `rounds` many short rounds of four rooms in turns instead: on a machine that
-//! is not always there for one the best of them tells what the code does, and the median what one
-//! gets.
+//! With the argument `rounds` many short rounds of two rooms, with and without the shield, in turns
+//! instead: on a machine that is not always there for one the best of them tells what the code does,
+//! and the median what one gets.
 
 use amp::config::Config;
 use amp::controller::{Command, Event};
@@ -18,7 +18,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 const STEPS: u32 = 1_000;
-const ROUNDS: usize = 600;
+const ROUNDS: usize = 200;
 /// Floor per box, m²: as in the random rooms.
 const AREA_PER_BOX_M2: f64 = 64.0 / 12.0;
 
@@ -107,30 +107,36 @@ fn steps(c: &mut Criterion) {
     }
 }
 
-/// Prints the steps per second of each of the four by the best round and by the median one.
+/// Prints the steps per second of each of the eight by the best round and by the median one.
 fn rounds() {
-    let config = Config::recommended();
+    let on = Config::recommended();
+    let mut off = on.clone();
+    off.shield = None;
     let worlds = [("80", wide(80)), ("8000", wide(8_000))];
-    let mut runs: Vec<_> = [SonarModel::Ideal, SonarModel::Nomad]
-        .into_iter()
-        .flat_map(|sonar| worlds.iter().map(move |(name, world)| (sonar, name, world)))
-        .map(|run| (run, set_up(run.2, &config), Vec::new()))
-        .collect();
+    let mut runs = Vec::new();
+    for (shield, config) in [("on", &on), ("off", &off)] {
+        for sonar in [SonarModel::Ideal, SonarModel::Nomad] {
+            for (segments, world) in &worlds {
+                let name = format!("shield {shield}, {}, {segments} segments", sonar.name());
+                let learned = set_up(world, config);
+                runs.push((name, config, sonar, world, learned, Vec::new()));
+            }
+        }
+    }
     for _ in 0..ROUNDS {
-        for ((sonar, _, world), learned, paces) in &mut runs {
-            let mut mind = LocalController::with_state(config.clone(), learned.state().clone());
+        for (_, config, sonar, world, learned, paces) in &mut runs {
+            let mut mind = LocalController::with_state((*config).clone(), learned.state().clone());
             let begun = Instant::now();
             black_box(drive_pilot(world, &mut mind, body(world, *sonar), STEPS))
                 .expect("it drives");
             paces.push(f64::from(STEPS) / begun.elapsed().as_secs_f64());
         }
     }
-    for ((sonar, segments, _), _, mut paces) in runs {
+    for (name, .., mut paces) in runs {
         paces.sort_by(f64::total_cmp);
         let (best, median) = (paces[ROUNDS - 1], paces[ROUNDS / 2]);
         println!(
-            "rounds: {}, {segments} segments: {best:.0} steps/s by the best of {ROUNDS}, {median:.0} by the median",
-            sonar.name()
+            "rounds: {name}: {best:.0} steps/s by the best of {ROUNDS}, {median:.0} by the median"
         );
     }
 }
