@@ -124,7 +124,7 @@ fn a_host_that_starts_anew_finds_the_robot_standing() {
             command,
         },
     ));
-    assert_eq!(chip.counters().strangers, 1);
+    assert_eq!(chip.counters().wrong_session, 1);
 }
 
 #[test]
@@ -166,7 +166,7 @@ fn stops_without_five_transducers(chip: &mut EmulatedChip) {
             break report.device_ms;
         }
         // The current motion is renewed and no other starts.
-        assert!(motion(&said).is_none_or(|order| command.revision == 0));
+        assert!(motion(&said).is_none_or(|command| command.revision == 0));
         std::thread::sleep(Duration::from_millis(20));
     };
     let took_ms = stopped_ms - began_ms;
@@ -374,12 +374,12 @@ fn ten_thousand_bad_frames_are_counted_and_do_nothing() {
     let after = chip.counters();
     assert_eq!(after.device.queue_losses, before.device.queue_losses);
     let counted = [
-        after.damaged - before.damaged,
-        after.misshapen - before.malformed,
+        after.crc_errors - before.crc_errors,
+        after.malformed - before.malformed,
         after.oversized - before.oversized,
         after.replayed - before.replayed,
         after.unknown - before.unknown,
-        after.strangers - before.strangers,
+        after.wrong_session - before.wrong_session,
         after.accepted - before.accepted,
     ];
     let wanted = [
@@ -453,14 +453,14 @@ fn another_protocol_is_refused_by_the_chip() {
         open_space: false,
     }));
     let why = chip.wait(|_, report| match report.message {
-        DeviceMessage::Refusal { reason, .. } => Some(why),
+        DeviceMessage::Refusal { reason, .. } => Some(reason),
         _ => None,
     });
     assert_eq!(why, Refusal::Incompatible(dimensions()));
     // Nothing else is executed for it either.
     chip.send(&HostMessage::Counters);
     let why = chip.wait(|_, report| match report.message {
-        DeviceMessage::Refusal { reason, .. } => Some(why),
+        DeviceMessage::Refusal { reason, .. } => Some(reason),
         _ => None,
     });
     assert_eq!(why, Refusal::NoSession);
