@@ -8,14 +8,17 @@
 
 use crate::action_map::{ActionCode, Recall};
 use crate::fixed::{Mask, Weight};
-use crate::node::MAX_CONFIG;
 use crate::robot::RobotSpec;
 use crate::scan::Encoding;
 use crate::shield::ShieldConfig;
 use crate::som::{Edges, Neighborhood, Schedule};
 use serde::{Deserialize, Serialize};
 
+/// Most bytes of a configuration in postcard's form.
+pub const MAX_CONFIG: usize = 384;
+
 mod presets;
+#[cfg(feature = "link")]
 mod zeroed;
 
 /// The configuration of a robot with `SENSORS` transducers. Nothing changes it while the robot
@@ -56,6 +59,7 @@ impl<const SENSORS: usize> Config<SENSORS> {
     /// In postcard's form, as it goes over the link and is saved. Empty if it does not fit, which a
     /// ring of more than 32 transducers would not.
     // One copy of it in a program.
+    #[cfg(feature = "store")]
     #[inline(never)]
     #[must_use]
     pub fn to_bytes<'a>(&self, buffer: &'a mut [u8; MAX_CONFIG]) -> &'a [u8] {
@@ -64,6 +68,7 @@ impl<const SENSORS: usize> Config<SENSORS> {
 
     /// Undoes [`to_bytes`](Self::to_bytes); `None` for bytes that are no configuration, or for one
     /// without deadlines that can be supervised.
+    #[cfg(feature = "store")]
     #[inline(never)]
     #[must_use]
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
@@ -300,7 +305,7 @@ mod tests {
             (3_276, 1_310)
         );
         let sum =
-            |config: &Config<16>| crate::wire::checksum(config.to_bytes(&mut [0; MAX_CONFIG]));
+            |config: &Config<16>| crate::checksum::checksum(config.to_bytes(&mut [0; MAX_CONFIG]));
         let sums = [literal, Config::probing(), best].map(|config| sum(&config));
         assert_eq!(sums, [0xf042_b63f, 0x69c7_118f, 0xae31_8ba1]);
     }

@@ -28,7 +28,9 @@ use crate::shield::Shield;
 use crate::som::kernels::Kernels;
 use crate::som::{Grid, Som};
 use crate::units::Millis;
-use rand_core::{Rng, SeedableRng};
+use rand_core::Rng;
+#[cfg(feature = "store")]
+use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro128PlusPlus;
 
 mod commands;
@@ -222,12 +224,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     /// A seed for the saved image; the same until the next random number.
+    #[cfg(feature = "store")]
     pub(crate) fn next_seed(&self) -> Option<u64> {
         let mut generator = self.generator.clone()?;
         Some(generator.next_u64())
     }
 
     /// Seeds the generator.
+    #[cfg(feature = "store")]
     pub(crate) fn seed(&mut self, seed: u64) {
         self.generator = Some(Xoshiro128PlusPlus::seed_from_u64(seed));
     }

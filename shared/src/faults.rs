@@ -1,4 +1,4 @@
-//! SensorFault detection: disables transducers that misbehave, by echoes and odometry alone.
+//! Fault detection: disables transducers that misbehave, by echoes and odometry alone.
 //!
 //! Each fault has a rule that a sound transducer breaks now and then, and a faulty one nearly
 //! always:
@@ -34,11 +34,13 @@ use crate::config::Config;
 use crate::fixed::{Mask, isqrt};
 use crate::units::{Bearing, Displacement, Range};
 use record::{Look, RangeReading, SensorRecord, add};
-use serde::{Deserialize, Serialize};
 use visited_cells::VisitedCells;
 
 mod record;
+mod verdict;
 mod visited_cells;
+
+pub use verdict::{SensorFault, SensorVerdict};
 
 /// Distance between two looks, millimeters.
 const LOOK_MM: i32 = 200;
@@ -76,30 +78,6 @@ pub const LIMIT: u8 = 60;
 const UNHEARD_LIMIT: u8 = 1;
 /// Score from which on a transducer's readings do not count against its neighbors.
 const DOUBT: u8 = LIMIT / 2;
-
-/// What is wrong with a transducer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum SensorFault {
-    /// It hears nothing any more.
-    Dead,
-    /// Its range never changes.
-    Stuck,
-    /// Its ranges are far below those of its neighbors.
-    Short,
-    /// Its range changes by more than the robot has moved.
-    Jumping,
-    /// It has never heard anything: it is dead, or nothing was in range.
-    Unheard,
-}
-
-/// What the detector has decided.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SensorVerdict {
-    /// Transducer.
-    pub sensor: u8,
-    /// Why it is disabled; `None` = it is enabled again.
-    pub fault: Option<SensorFault>,
-}
 
 /// The scores of a transducer; one at [`LIMIT`] disables it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -23,6 +23,7 @@ const AVOIDING_Q16: u16 = 33;
 
 /// What is asked of one transducer's value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Component {
     /// Least value wanted.
     pub low: Weight,
@@ -41,6 +42,7 @@ impl Component {
     };
 
     /// All zeros, for a goal that has not been set.
+    #[cfg(feature = "link")]
     pub(crate) const ZERO: Self = Self {
         low: Weight::ZERO,
         high: Weight::ZERO,
@@ -100,6 +102,7 @@ impl Component {
 
 /// Whose frame a goal's components are counted in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum GoalFrame {
     /// The ring's: component `i` is transducer `i`.
     #[default]
@@ -111,6 +114,7 @@ pub enum GoalFrame {
 
 /// A goal situation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(align(4))]
 pub struct Goal<const SENSORS: usize> {
     /// What is asked of each value.
@@ -147,6 +151,7 @@ impl<const SENSORS: usize> Goal<SENSORS> {
     }
 
     /// All zeros, as [`Config::zeroed`].
+    #[cfg(feature = "link")]
     pub(crate) const fn zeroed() -> Self {
         Self {
             components: [Component::ZERO; SENSORS],

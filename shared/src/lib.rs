@@ -46,6 +46,15 @@
 //! | [`node`] | the controller behind a link: frames in, frames out |
 //! | [`store`] | the saved image: configuration, maps, memory and goals |
 //!
+//! # Features
+//!
+//! | feature | default | brings |
+//! |---|---|---|
+//! | `link` | yes | [`wire`], [`link`], [`node`]: the controller behind a serial link (needs `store`) |
+//! | `store` | yes | [`store`]: the saved image |
+//! | `faults` | yes | fault detection; without it [`faults::Detector`] detects nothing |
+//! | `defmt` | no | `defmt::Format` for units, goals, plans, modes, refusals and faults |
+//!
 //! # Limits
 //!
 //! Rings of at most 32 transducers; maps of at most 32 neurons inside the controller ([`som`] has
@@ -61,6 +70,12 @@
 #[cfg(test)]
 extern crate std;
 
+#[cfg(all(
+    test,
+    not(all(feature = "faults", feature = "link", feature = "store"))
+))]
+compile_error!("the tests of this crate need the features faults, link and store");
+
 /// The examples of the crate's page run as tests.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
@@ -68,20 +83,30 @@ struct Readme;
 
 pub mod action_map;
 mod arrays;
+#[cfg(feature = "store")]
+mod checksum;
 pub mod config;
 pub mod controller;
+#[cfg(feature = "faults")]
+pub mod faults;
+#[cfg(not(feature = "faults"))]
+#[path = "faults/absent.rs"]
 pub mod faults;
 pub mod goal;
+#[cfg(feature = "link")]
 pub mod link;
 pub mod memory;
+#[cfg(feature = "link")]
 pub mod node;
 pub mod parameters;
 pub mod planner;
 pub mod robot;
 pub mod scan;
 pub mod shield;
+#[cfg(feature = "store")]
 pub mod store;
 pub mod units;
+#[cfg(feature = "link")]
 pub mod wire;
 
 pub use tinysom::{self as som, fixed};

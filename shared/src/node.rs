@@ -9,7 +9,7 @@
 //! When the host falls silent for longer than [`SILENCE_MS`](crate::link::SILENCE_MS) the robot
 //! stops with [`StopReason::LinkLost`] and stays stopped until the host resumes it.
 
-use crate::config::Config;
+use crate::config::{Config, MAX_CONFIG};
 use crate::controller::{self, Event, Mode, NomadState, State, StopReason};
 use crate::goal::{Goal, NamedGoals};
 use crate::link::Link;
@@ -36,8 +36,6 @@ mod transfer;
 pub const MOTION_TTL_MS: u16 = 500;
 /// A motion under way is sent again after this time, milliseconds.
 pub(crate) const RENEWAL_MS: u32 = 200;
-/// Most bytes of a configuration in postcard's form.
-pub const MAX_CONFIG: usize = 384;
 
 /// Takes frames on their way to the host.
 pub trait FrameSink {

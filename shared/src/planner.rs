@@ -24,6 +24,7 @@ use look_ahead::GoalView;
 
 /// The reason for the selected action.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Why {
     /// The subgoal is a neighbor nearer to the goal.
     #[serde(alias = "Neighbour")]
@@ -69,6 +70,7 @@ impl core::fmt::Display for Why {
 
 /// One decision with all its intermediate values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(align(4))]
 pub struct Plan<const SENSORS: usize> {
     /// Neuron that stands for the goal.

@@ -37,6 +37,7 @@ pub struct RobotSpec<const SENSORS: usize> {
 impl<const SENSORS: usize> RobotSpec<SENSORS> {
     /// Whether motions and rings have deadlines: otherwise blocked wheels or a silent transducer
     /// would stay undetected.
+    #[cfg(feature = "store")]
     pub(crate) const fn is_supervisable(&self) -> bool {
         // The ranges of the parameters with these names.
         matches!(self.ring_period_ms, 1..=10_000)

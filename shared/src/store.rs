@@ -20,12 +20,11 @@
 //! Cost: writing takes a record's bytes of memory, reading and checking as much; an image for the
 //! Nomad has at most [`MAX_NOMAD`] bytes.
 
+use crate::checksum::{CRC, Checksum};
 use crate::config::Config;
+use crate::config::MAX_CONFIG;
 use crate::controller::{State, StatePart};
 use crate::goal::{Goal, Name, NamedGoal, NamedGoals};
-use crate::node::MAX_CONFIG;
-use crate::wire::message::MAX_CHUNK;
-use crate::wire::{CRC, Checksum};
 
 mod read;
 mod write;
@@ -44,6 +43,9 @@ const MAGIC: [u8; WORD] = *b"AMPS";
 
 /// Version of the records.
 const LAYOUT: u16 = 1;
+
+/// Most bytes of a part in one record.
+const MAX_CHUNK: usize = 160;
 
 /// Most bytes of a record, length and zeros included.
 const MAX_RECORD: usize = 256;

@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 ///
 /// Kept as what it lacks of 65.535 m, so that an `Option` of it takes two bytes as well.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Range(NonZeroU16);
 
 impl Range {
@@ -48,6 +49,7 @@ impl PartialOrd for Range {
 
 /// A moment in milliseconds since the robot's start; wraps after 49.7 days.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Millis(u32);
 
 impl Millis {
@@ -103,6 +105,7 @@ impl Millis {
 /// A direction as a binary turn: 65 536 units are one full turn, counter-clockwise from the frame's
 /// x axis; wraps for free.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Bearing(u16);
 
 impl Bearing {
@@ -168,6 +171,7 @@ fn to_q14(value: f32) -> i16 {
 
 /// A unit vector with 14 bits behind the point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Direction {
     /// Component along x, 16 384 = 1.
     pub x_q14: i16,
@@ -215,6 +219,7 @@ impl Direction {
 /// A straight move in the ring's frame: x along transducer 0, y along the one a quarter turn to its
 /// left; ±32.767 m.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Displacement {
     /// Millimeters along x.
     pub dx_mm: i16,

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 /// What the robot is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
 pub enum Mode<const SENSORS: usize> {
     /// Nothing.
@@ -34,6 +35,7 @@ pub enum Mode<const SENSORS: usize> {
 
 /// Why the robot stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum StopReason {
     /// A command.
     Commanded,
@@ -57,6 +59,7 @@ pub enum StopReason {
 
 /// Why a command was not carried out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum CommandRefusal {
     /// More moves than the memory holds, or none.
     #[serde(alias = "Moves")]
@@ -76,6 +79,7 @@ pub enum CommandRefusal {
 
 /// A command to the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Command<const SENSORS: usize> {
     /// Forget the samples and take so many new ones by random moves.
     Explore {
@@ -96,6 +100,7 @@ pub enum Command<const SENSORS: usize> {
 
 /// What became of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Progress {
     /// Still under way.
     Moving,
@@ -141,6 +146,7 @@ pub enum Event<const SENSORS: usize> {
 /// What the base is asked to do: a straight displacement in the ring's present frame. A newer
 /// motion replaces an older one, zero stops.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Motion {
     /// Number of the motion; a shortened motion keeps its number.
     pub id: u16,

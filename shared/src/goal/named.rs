@@ -12,6 +12,7 @@ const MAX_NAME: usize = 12;
 
 /// A name of 1 to 12 printable ASCII characters without blanks; padded with zeros.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Name([u8; MAX_NAME]);
 
 impl Name {
@@ -47,10 +48,12 @@ impl Name {
         core::str::from_utf8(self.as_bytes()).unwrap_or("")
     }
 
+    #[cfg(feature = "store")]
     pub(crate) const fn to_bytes(self) -> [u8; MAX_NAME] {
         self.0
     }
 
+    #[cfg(feature = "store")]
     pub(crate) const fn from_bytes(bytes: [u8; MAX_NAME]) -> Self {
         Self(bytes)
     }
@@ -72,6 +75,7 @@ pub struct NamedGoal<const SENSORS: usize> {
 
 /// Why a goal was not saved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SaveGoalError {
     /// The name is not valid.
     Name,

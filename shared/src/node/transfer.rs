@@ -1,11 +1,11 @@
 //! Transfer of configuration, maps and memory in pieces, and their checksums.
 
 use super::{FrameSink, MAX_CONFIG, Node};
+use crate::checksum::{Checksum, checksum};
 use crate::config::Config;
 use crate::controller::{self, TransferError};
 use crate::units::Millis;
 use crate::wire::message::{DeviceMessage, MAX_CHUNK, Refusal, TransferPart};
-use crate::wire::{Checksum, checksum};
 use heapless::Vec;
 
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>

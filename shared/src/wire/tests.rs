@@ -415,7 +415,7 @@ fn the_longest_messages_fit_a_frame() {
     });
     let name = Name::new("twelve-chars").unwrap();
     there_and_back(&report(DeviceMessage::<16>::Goal { name, goal }));
-    let mut config = [0; crate::node::MAX_CONFIG];
+    let mut config = [0; crate::config::MAX_CONFIG];
     assert!(postcard::to_slice(&Config::recommended(), &mut config).is_ok());
 }
 

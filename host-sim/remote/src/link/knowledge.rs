@@ -4,7 +4,7 @@ use super::{Fingerprint, LinkError, Session, next_number};
 use amp::config::Config;
 use amp::controller::StatePart;
 use amp::goal::{Goal, Name, NamedGoal, NamedGoals};
-use amp::node::MAX_CONFIG;
+use amp::config::MAX_CONFIG;
 use amp::som::Grid;
 use amp::store::{Contents, ContentsMut};
 use amp::wire::message::{
