@@ -88,7 +88,7 @@ fn what_an_episode_taught_is_pulled_and_pushed() {
     let pushed = host_sim(&two, &format!("link --to MIND upload {file}"));
     assert!(pushed.unwrap().contains("100 samples uploaded"));
     let goals = host_sim(&two, "link --to MIND goals").unwrap();
-    assert!(goals.contains("goal       kept"), "{goals}");
+    assert!(goals.contains("goal       saved"), "{goals}");
     let learned = host_sim(&two, "link --to MIND learn").unwrap();
     let last = learned.lines().last().unwrap();
     assert!(last.ends_with("mode       idle"), "{learned}");
