@@ -15,7 +15,8 @@ pub enum Decay {
     Inverse,
 }
 
-/// A value that decays from `start` to `end` over a training, in Q16 (65 536 = 1.0). It never rises.
+/// A value that decays from `start` to `end` over a training, in Q16 (65 536 = 1.0). It never
+/// rises.
 ///
 /// ```
 /// # use tinysom::{Decay, Schedule};

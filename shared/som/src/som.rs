@@ -324,8 +324,9 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         core::array::from_fn(|k| self.codebook().u_matrix_value(k))
     }
 
-    /// Distance of the probe to its BMU divided by the mean distance in `seen`: about 1 for a sample
-    /// like those, larger for an unfamiliar one; see [`Quality::novelty`].
+    /// Distance of the probe to its BMU divided by the mean distance in `seen`.
+    ///
+    /// About 1 for a sample like those, larger for an unfamiliar one; see [`Quality::novelty`].
     #[must_use]
     pub fn novelty(&self, probe: &[Weight; DIMS], seen: &Quality) -> f32 {
         let bmu = self.bmu(probe, Mask::ALL);

@@ -74,8 +74,8 @@ impl Score {
         Some(bootstrap(&blocks))
     }
 
-    /// Recall of each class: share of its pairs recalled as that class; `None` for a class that does
-    /// not occur. Empty for velocities.
+    /// Recall of each class: share of its pairs recalled as that class. `None` for a class that
+    /// does not occur; empty for velocities.
     #[must_use]
     pub fn by_class(&self) -> Vec<Option<f64>> {
         let Self::Classes { confusion, .. } = self else {

@@ -1,7 +1,7 @@
 //! Initial code vectors.
 //!
-//! All random numbers come from one generator, [`Noise`] (xoshiro256++), seeded with `--seed`: first
-//! for the initial code vectors, then for one shuffle per epoch. Training runs on one thread.
+//! All random numbers come from one generator, [`Noise`] (xoshiro256++), seeded with `--seed`. It
+//! draws the initial code vectors, then shuffles once per epoch. Training runs on one thread.
 
 use arena::noise::Noise;
 use files::error::BadInput;

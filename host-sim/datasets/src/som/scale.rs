@@ -25,8 +25,8 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// Scales the smallest value of a table to 0 and the largest to 1. If all values are equal, they
-    /// are scaled to 0.
+    /// Scales the smallest value of a table to 0 and the largest to 1. If all values are equal,
+    /// they are scaled to 0.
     ///
     /// # Errors
     /// Values whose difference is not finite.

@@ -1,7 +1,7 @@
 //! Vectors of weights: products, distances, and a step from one towards another.
 //!
-//! Components lie in [−1, 1]. So a product is at most 2²⁶ in units of 2⁻²⁶, and a sum of 31 products
-//! fits an `i32`.
+//! Components lie in [−1, 1]. So a product is at most 2²⁶ in units of 2⁻²⁶, and a sum of 31
+//! products fits an `i32`.
 
 use super::{Gain, Mask, Weight, Weight32, to_weight16};
 
