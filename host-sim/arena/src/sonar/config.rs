@@ -1,4 +1,4 @@
-//! The three sonar models and every number in them.
+//! The three sonar models and their parameters.
 
 use core::f64::consts::PI;
 use core::str::FromStr;
@@ -6,15 +6,15 @@ use core::str::FromStr;
 use super::inches::{M_PER_INCH, MAX_READING_IN};
 use files::error::BadInput;
 
-/// Which of the three ready-made models.
+/// A predefined sonar model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SonarModel {
-    /// Exact distances, all at once.
+    /// Exact ranges of all transducers at once.
     #[default]
     Ideal,
-    /// What a Nomad 200 in good order returns.
+    /// Readings of a Nomad 200 without faults.
     Nomad,
-    /// A bad day: everything that can go wrong does.
+    /// Readings with every disturbance at once.
     Harsh,
 }
 
@@ -22,7 +22,7 @@ impl SonarModel {
     /// The names, in the order of the variants.
     pub const NAMES: [&'static str; 3] = ["ideal", "nomad", "harsh"];
 
-    /// The model's name.
+    /// Name of the model.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -32,7 +32,7 @@ impl SonarModel {
         }
     }
 
-    /// The model's numbers.
+    /// Parameters of the model.
     #[must_use]
     pub fn config(self) -> SonarConfig {
         match self {
@@ -56,7 +56,7 @@ impl FromStr for SonarModel {
     }
 }
 
-/// Every number of a sonar model.
+/// Parameters of a sonar model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SonarConfig {
     /// Half the opening of cone or lobe, rad. Polaroid transducers are usually given ±15°; ±12.5°
