@@ -134,7 +134,7 @@ impl BarnSource {
 }
 
 impl std::fmt::Display for BarnSource {
-    /// The name that [`parse`] accepts, with `barn:`.
+    /// As in a command: `barn:FILE#N`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "barn:{}#{}", self.path.display(), self.number)
     }
