@@ -64,8 +64,8 @@ pub struct SonarConfig {
     pub half_angle_rad: f64,
     /// Maximum range, m: 255 in.
     pub max_range_m: f64,
-    /// Largest angle of incidence at which a flat face returns an echo, rad. Smooth walls are mirrors
-    /// beyond 22.5° (Webots) to 28° (ThinkingCap's Nomad).
+    /// Largest angle of incidence at which a flat face returns an echo, rad. Smooth walls are
+    /// mirrors beyond 22.5° (Webots) to 28° (ThinkingCap's Nomad).
     pub max_incidence_rad: f64,
     /// Rays in the fan over the lobe, at least 2; 31 are 1° apart.
     pub fan_rays: usize,
