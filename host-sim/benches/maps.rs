@@ -3,7 +3,7 @@
 
 use arena::noise::Noise;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use datasets::som::start::start_at_samples;
+use datasets::som::init::init_from_samples;
 use std::hint::black_box;
 use tinysom::fixed::Scalar as _;
 use tinysom::{
@@ -29,7 +29,7 @@ fn maps(c: &mut Criterion) {
     let grid = Grid::rectangle(4, 4);
     let code = std::array::from_fn(|neuron| samples[neuron]);
     let map: Som<16, 16> = Som::new(grid, code);
-    let any_size = start_at_samples(grid, 16, &flat, &mut noise).expect("16 components");
+    let any_size = init_from_samples(grid, 16, &flat, &mut noise).expect("16 components");
 
     let mut group = c.benchmark_group("16 neurons of 16");
     group.throughput(Throughput::Elements(SAMPLES as u64));

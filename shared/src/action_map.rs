@@ -1,8 +1,7 @@
-//! The second map of the paper: which action brings which change of situation.
+//! The paper's second map: associates actions with changes of situation.
 //!
-//! A neuron holds a change of situation Δ and an action side by side: two codebooks over one grid.
-//! Learning finds the BMU by both parts, |Δ − Δ_k|² + λ |a − a_k|²; recall probes with the change
-//! alone.
+//! A neuron holds a change of situation Δ and an action a: two codebooks on the same grid. Training
+//! finds the BMU by both parts, |Δ − Δ_k|² + λ |a − a_k|²; recall probes with the change alone.
 
 mod code;
 mod recall;
@@ -15,27 +14,27 @@ use crate::fixed::{Mask, Weight, Weight32, to_weight16};
 use crate::som::kernels::Kernels;
 use crate::som::{Grid, Som, Update};
 
-/// One thing to learn: this action brought this change.
+/// A training sample: an action and the change of situation that it caused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Effect<const SENSORS: usize> {
-    /// Situation after less situation before.
+    /// Situation after the action minus situation before it.
     pub change: [Weight; SENSORS],
     /// Code of the action.
     pub action: [Weight; 2],
-    /// Transducers believed before and after.
+    /// Transducers enabled before and after.
     pub mask: Mask,
 }
 
-/// A map of (change of situation, action).
+/// A map of (change of situation, action) pairs.
 #[derive(Debug, Clone)]
 pub struct ActionMap<const NEURONS: usize, const SENSORS: usize> {
     changes: Som<NEURONS, SENSORS>,
     actions: Som<NEURONS, 2>,
-    /// Of the code vectors as they are; `None` = to be summed again.
+    /// Products of the current code vectors; `None` = not computed.
     products: Option<Products<SENSORS>>,
 }
 
-/// The code vectors alone: the products follow from them.
+/// Compares code vectors only: the products follow from them.
 impl<const NEURONS: usize, const SENSORS: usize> PartialEq for ActionMap<NEURONS, SENSORS> {
     fn eq(&self, other: &Self) -> bool {
         self.changes == other.changes && self.actions == other.actions
@@ -44,14 +43,15 @@ impl<const NEURONS: usize, const SENSORS: usize> PartialEq for ActionMap<NEURONS
 
 impl<const NEURONS: usize, const SENSORS: usize> Eq for ActionMap<NEURONS, SENSORS> {}
 
-/// Sums over all neurons of a map, at most 31, in units of 2⁻²⁶. A decision needs all of them, and
-/// what is learned from a move changes one neuron's part: kept, they are worth 6 000 instructions
-/// of a decision on the chip.
+/// Sums of products over all neurons of a map, at most 31, in units of 2⁻²⁶.
+///
+/// A decision needs them, and a training step changes the terms of one neuron only. Caching them
+/// saves 6 000 instructions per decision on the chip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Products<const SENSORS: usize> {
-    /// Of the actions' components: x x, x y, y y.
+    /// Products of the actions' components: x x, x y, y y.
     pub(crate) plane: [i32; 3],
-    /// Of each transducer's change with x and with y.
+    /// Products of each transducer's change with x and with y.
     pub(crate) changes: [[i32; 2]; SENSORS],
 }
 
@@ -61,7 +61,7 @@ impl<const SENSORS: usize> Products<SENSORS> {
         changes: [[0; 2]; SENSORS],
     };
 
-    /// Adds the part of a neuron as it is, and takes away its part as it was.
+    /// Replaces the terms of a neuron's old code vectors by those of the new ones.
     #[inline(never)]
     fn replace(
         &mut self,
@@ -109,13 +109,13 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         }
     }
 
-    /// The changes of situation, to be written.
+    /// The changes of situation, for writing; discards the products.
     pub(crate) const fn changes_mut(&mut self) -> &mut Som<NEURONS, SENSORS> {
         self.products = None;
         &mut self.changes
     }
 
-    /// The actions, to be written.
+    /// The actions, for writing; discards the products.
     pub(crate) const fn actions_mut(&mut self) -> &mut Som<NEURONS, 2> {
         self.products = None;
         &mut self.actions
@@ -151,46 +151,47 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         (self.changes).joint_bmu(change, *mask, &self.actions, action, weight)
     }
 
-    /// Sums the products unless they are known; maps of more than 31 neurons have none.
+    /// Computes the products if they are missing. Maps of more than 31 neurons have none: their
+    /// sums could overflow.
     pub(crate) fn keep_products(&mut self) {
         if self.products.is_none() && NEURONS <= 31 {
             let products = self.products.insert(Products::NONE);
-            let nothing = (&[Weight32::ZERO; 2], &[Weight32::ZERO; SENSORS]);
+            let zeros = (&[Weight32::ZERO; 2], &[Weight32::ZERO; SENSORS]);
             for pair in self.actions.code().iter().zip(self.changes.code()) {
-                products.replace(nothing, pair);
+                products.replace(zeros, pair);
             }
         }
     }
 
-    /// The products, if they are known.
+    /// The products, if they are computed.
     pub(crate) const fn products(&self) -> Option<&Products<SENSORS>> {
         self.products.as_ref()
     }
 
-    /// Moves `bmu` and its neighbors towards an effect; the products follow where the BMU moves
-    /// alone.
+    /// Moves `bmu` and its neighbors towards an effect. Updates the products if only the BMU moves,
+    /// otherwise discards them.
     pub fn update(&mut self, bmu: usize, effect: &Effect<SENSORS>, update: &Update) {
         if !update.is_alone() {
             self.forget_products();
         }
         let code = (self.actions.code().get(bmu), self.changes.code().get(bmu));
         let (Some(_), (Some(old_action), Some(old_change))) = (&self.products, code) else {
-            return self.pull(bmu, effect, update);
+            return self.move_code_vectors(bmu, effect, update);
         };
         let (old_action, old_change) = (*old_action, *old_change);
-        self.pull(bmu, effect, update);
+        self.move_code_vectors(bmu, effect, update);
         let code = (self.actions.code().get(bmu), self.changes.code().get(bmu));
         if let (Some(products), (Some(action), Some(change))) = (&mut self.products, code) {
             products.replace((&old_action, &old_change), (action, change));
         }
     }
 
-    /// The products are unknown until they are summed again.
+    /// Discards the products.
     pub(crate) const fn forget_products(&mut self) {
         self.products = None;
     }
 
-    /// One training step; [`forget_products`](Self::forget_products) goes before it.
+    /// One training step. Call [`forget_products`](Self::forget_products) before it.
     #[inline(never)]
     pub(crate) fn train_step(
         &mut self,
@@ -199,12 +200,12 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         update: &Update,
     ) {
         let bmu = self.bmu(effect, action_weight_q8);
-        self.pull(bmu, effect, update);
+        self.move_code_vectors(bmu, effect, update);
     }
 
-    /// Moves code vectors and leaves the products as they are.
+    /// Moves code vectors without updating the products.
     #[inline(never)]
-    fn pull(&mut self, bmu: usize, effect: &Effect<SENSORS>, update: &Update) {
+    fn move_code_vectors(&mut self, bmu: usize, effect: &Effect<SENSORS>, update: &Update) {
         let Effect {
             change,
             action,

@@ -16,7 +16,7 @@ use amp::wire::message::{Clock, DeviceMessage, Dimensions, HostHello, HostMessag
 use amp::wire::{CRC, Frame, PROTOCOL, Receiver, SCHEMA, cobs};
 use arena::sonar::SonarModel;
 use arena::world::World;
-use datasets::learn::{Columns, Log};
+use datasets::learn::{Log, LogColumns};
 use files::table::Table;
 use mcap::records::MessageHeader;
 use mcap::{Compression, McapResult, WriteOptions};
@@ -285,9 +285,9 @@ pub fn csv(bytes: &[u8]) {
     }
     let velocities = Some("5-6".to_owned());
     for velocities in [None, velocities] {
-        let columns = Columns {
+        let columns = LogColumns {
             velocities,
-            ..Columns::default()
+            ..LogColumns::default()
         };
         let _ = Log::parse("hostile.csv", text, &columns);
     }

@@ -1,8 +1,8 @@
-//! An angle together with its unit vector.
+//! An angle and its unit vector.
 
 use crate::geometry::Point;
 
-/// An angle in the plane, rad, whose sine and cosine are worked out when asked for, once.
+/// An angle in the plane, rad. Its unit vector is computed on first use.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct CachedDirection {
     angle: f64,
@@ -24,7 +24,7 @@ impl CachedDirection {
         *self.unit.get_or_insert_with(|| Point::unit(self.angle))
     }
 
-    /// Becomes another angle, rad.
+    /// Changes the angle, rad.
     pub(crate) fn set(&mut self, angle: f64) {
         if angle.to_bits() != self.angle.to_bits() {
             *self = Self::new(angle);

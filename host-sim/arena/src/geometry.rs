@@ -4,7 +4,7 @@ use core::f64::consts::{PI, TAU};
 use core::ops::{Add, Mul, Neg, Sub};
 use serde::{Deserialize, Serialize};
 
-/// A place or a displacement, in meters.
+/// A position or a displacement, in meters.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Point {
     /// Meters along the world's x axis.
@@ -33,7 +33,7 @@ impl Point {
         self.x * other.x + self.y * other.y
     }
 
-    /// The z part of the vector product: positive when `other` lies to the left of `self`.
+    /// The z component of the vector product: positive if `other` is to the left of `self`.
     #[must_use]
     pub fn cross(self, other: Self) -> f64 {
         self.x * other.y - self.y * other.x
@@ -101,7 +101,7 @@ impl Neg for Point {
     }
 }
 
-/// Where the robot is and where its turret looks.
+/// Position of the robot and direction of its turret.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pose {
     /// Center of the robot, m.
@@ -111,38 +111,38 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// A robot at `position` whose turret looks along `heading` (rad).
+    /// A robot at `position` whose turret points along `heading` (rad).
     #[must_use]
     pub const fn new(position: Point, heading: f64) -> Self {
         Self { position, heading }
     }
 }
 
-/// `angle` (rad) brought into [−π, π).
+/// `angle` (rad) wrapped to [−π, π).
 #[must_use]
 pub fn wrap_angle(angle: f64) -> f64 {
     if (0.0..TAU).contains(&(angle + PI)) {
-        // As nearly always; the formula below would say the same.
+        // The common case; the formula below gives the same result.
         return angle;
     }
     let turned = angle - TAU * libm::floor((angle + PI) / TAU);
-    // One rounding can push the result onto the open end.
+    // Rounding can give π itself, which is outside the interval.
     if turned >= PI { turned - TAU } else { turned }
 }
 
-/// The lesser of two numbers that are not NaN: one instruction, unlike `f64::min`.
+/// The smaller of two numbers that are not NaN: one instruction, unlike `f64::min`.
 #[inline(always)]
 pub(crate) fn min(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
-/// The greater of two numbers that are not NaN.
+/// The larger of two numbers that are not NaN.
 #[inline(always)]
 pub(crate) fn max(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// `x` brought into [`low`, `high`], for `low <= high`.
+/// `x` clamped to [`low`, `high`], for `low <= high`.
 #[inline(always)]
 pub(crate) fn clamp(x: f64, low: f64, high: f64) -> f64 {
     max(low, min(x, high))

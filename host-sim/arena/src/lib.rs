@@ -1,7 +1,7 @@
-//! Where robots live: worlds, what can be heard and touched in them, and how a base moves.
+//! Simulated worlds, sonars in them, and motion of a base.
 //!
-//! Plain geometry in meters and radians. Nothing here knows a controller, an episode or a picture.
-//! Who may use whom: geometry ← shapes ← surfaces ← caster ← world ← {sonar, robot, loaders}.
+//! Plain geometry in meters and radians, independent of controllers, episodes and pictures.
+//! Dependencies: geometry ← shapes ← surfaces ← caster ← world ← {sonar, robot, loaders}.
 
 mod caster;
 mod direction;

@@ -1,9 +1,8 @@
-//! The base of a Nomad 200: three wheels that roll and steer together, and a turret of its own.
+//! The base of a Nomad 200: three wheels that roll and steer together, and a separate turret.
 //!
-//! [`Base::move_exactly`] moves it at once and without noise; [`Base::command`] and
-//! [`Base::advance`] as the machine does, with limited speed and acceleration and with slip.
-//! Steering turns the wheels alone. The turret with the ring keeps its bearing (*held*) or turns
-//! with the wheels (*follow*).
+//! [`Base::move_exactly`] moves the base instantly and without noise. [`Base::command`] and
+//! [`Base::advance`] simulate limited speed, limited acceleration and slip. Steering turns only the
+//! wheels. The turret with the ring keeps its bearing (*held*) or turns with the wheels (*follow*).
 
 use core::f64::consts::PI;
 
@@ -20,36 +19,36 @@ mod steering;
 mod time_steps;
 
 pub use axes::{Axes, Axis, AxisLimits};
-use chassis::{Chassis, RollingWay, share_of};
+use chassis::{Chassis, RollingPath, traveled_share};
 use limits::NEGLIGIBLE;
 pub use limits::{BaseLimits, TurretMode};
 pub use motion::{BaseMotion, Executed};
-use servo::{Ramp, STEPS_PER_STRIDE, TravelLeft, sense, slow};
-use steering::{SteeringWay, angle_to_turn, is_wrapped};
+use servo::{Ramp, RemainingDistance, STEPS_PER_STRIDE, stride_sign};
+use steering::{SteeringPath, angle_to_turn, is_wrapped};
 use time_steps::TimeSteps;
 
 pub use crate::nomad::{BUMPERS, COLLISION_RADIUS_M};
 
-/// A new goal this near to the line on which the wheels already roll is reached without stopping,
+/// Largest angle between the rolling direction and a new goal that is reached without stopping,
 /// rad.
 const SAME_DIRECTION_RAD: f64 = PI / 180.0;
 
-/// A displacement repeated in whole millimeters may differ by this, m.
+/// Largest rounding error of a displacement that is repeated in whole millimeters, m.
 const ROUNDING_M: f64 = 2e-3;
 
-/// What the wheels are doing.
+/// State of the drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Drive {
     Still,
-    /// Coming to rest, then on to the goal (odometry frame) if there is one.
+    /// Brakes to rest, then drives to the goal (odometry frame) if there is one.
     Brake(Option<Point>),
-    /// Turning the wheels at rest towards the goal, which lies at this bearing, rad.
+    /// Turns the wheels at rest towards the goal, which is at this bearing, rad.
     Steer(Point, f64),
-    /// Rolling along the wheels to the goal.
+    /// Rolls to the goal.
     Roll(Point),
 }
 
-/// The base: where it is, where its wheels and its turret point, and what it is doing.
+/// The base: position, directions of wheels and turret, and state of the drive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Base {
     limits: BaseLimits,
@@ -62,7 +61,7 @@ pub struct Base {
     /// Along the wheels; negative in reverse.
     speed: f64,
     turn_rate: f64,
-    /// Of the last time that passed.
+    /// Steps of the last call of [`Base::advance`].
     time_steps: TimeSteps,
 }
 
@@ -80,7 +79,7 @@ impl Base {
             speed_limit: limits.speed_m_s,
             speed: 0.0,
             turn_rate: 0.0,
-            time_steps: TimeSteps::of(0.0),
+            time_steps: TimeSteps::new(0.0),
         }
     }
 
@@ -96,7 +95,7 @@ impl Base {
         self.steering.angle()
     }
 
-    /// Where the odometry believes to be, m: the truth without slip, from the same start.
+    /// Position by odometry, m: the true position without slip.
     #[must_use]
     pub fn odometry(&self) -> Point {
         self.chassis.odometry
@@ -115,7 +114,7 @@ impl Base {
         self.speed
     }
 
-    /// Whether the base is under way.
+    /// Whether the base moves.
     #[must_use]
     pub fn is_moving(&self) -> bool {
         self.drive != Drive::Still
@@ -128,24 +127,25 @@ impl Base {
         matches!(self.drive, Drive::Brake(Some(_)) | Drive::Steer(..)) || self.turn_rate != 0.0
     }
 
-    /// Gaps between disc and surfaces of `gap_m` m or more may be reported as infinite from now on.
-    pub fn tell_gaps_below(&mut self, gap_m: f64) {
-        self.chassis.tell_gaps_below(gap_m);
+    /// From now on, gaps between disc and surfaces of `gap_m` m or more may be reported as
+    /// infinite.
+    pub fn limit_reported_gaps(&mut self, gap_m: f64) {
+        self.chassis.limit_reported_gaps(gap_m);
     }
 
-    /// Moves at once by (`dx_m`, `dy_m`) in the ring frame, straight, up to the first touch. In
-    /// [`TurretMode::Follow`] the ring then looks where the motion went.
+    /// Moves instantly and straight by (`dx_m`, `dy_m`) in the ring frame, up to the first contact.
+    /// In [`TurretMode::Follow`] the ring then points in the direction of the motion.
     pub fn move_exactly(&mut self, world: &World, dx_m: f64, dy_m: f64) -> Executed {
-        let asked = Point::new(dx_m, dy_m);
-        let length = asked.length();
+        let commanded = Point::new(dx_m, dy_m);
+        let length = commanded.length();
         let (from, ring_before) = (self.chassis.position, self.ring.unit());
-        let sweep = self.chassis.sweep(asked.turned(ring_before), world);
-        let share = share_of(&sweep, length);
-        let done = asked * share;
+        let sweep = self.chassis.sweep(commanded.turned(ring_before), world);
+        let share = traveled_share(&sweep, length);
+        let done = commanded * share;
         self.chassis.position = from + done.turned(ring_before);
         self.chassis.odometry = self.chassis.odometry + done.turned(ring_before);
         if length > 0.0 {
-            self.point_wheels(asked);
+            self.point_wheels(commanded);
         }
         Executed {
             touched: sweep.touched(),
@@ -156,7 +156,8 @@ impl Base {
         }
     }
 
-    /// Points the wheels, and a following turret, along a displacement in the ring frame at once.
+    /// Points the wheels, and a following turret, along a displacement in the ring frame,
+    /// instantly.
     fn point_wheels(&mut self, displacement: Point) {
         let bearing = displacement.angle();
         self.steering.set(wrap_angle(self.ring.angle() + bearing));
@@ -165,46 +166,47 @@ impl Base {
         }
     }
 
-    /// Starts a timed motion, which replaces the present one. Slip is drawn from `noise`.
+    /// Starts a timed motion, which replaces the current one. Slip is drawn from `noise`.
     ///
     /// * A displacement of zero brakes to a stop.
-    /// * A base that already rolls towards the new goal keeps rolling; it may pass the goal by 1°
-    ///   of the way left and 2 mm. Where it cannot stop before the goal, it stops for good.
-    /// * Wheels that turn at rest keep turning, to the new bearing.
+    /// * A base that already rolls towards the new goal keeps rolling, if the goal is within 1° and
+    ///   2 mm of its line. If it cannot stop before the goal, it brakes and ignores the goal.
+    /// * Wheels that turn at rest turn on to the new bearing.
     /// * Otherwise the base stops first.
     pub fn command(&mut self, motion: BaseMotion, noise: &mut Noise) {
-        self.chassis.slip(self.limits.slip, noise);
-        let asked = Point::new(motion.dx_m, motion.dy_m);
-        let finite = asked.x.is_finite() && asked.y.is_finite() && motion.speed_m_s.is_finite();
-        if !finite || asked.length() <= NEGLIGIBLE || motion.speed_m_s <= 0.0 {
+        self.chassis.draw_slip(self.limits.slip, noise);
+        let commanded = Point::new(motion.dx_m, motion.dy_m);
+        let finite =
+            commanded.x.is_finite() && commanded.y.is_finite() && motion.speed_m_s.is_finite();
+        if !finite || commanded.length() <= NEGLIGIBLE || motion.speed_m_s <= 0.0 {
             self.drive = Drive::Brake(None);
             return;
         }
         self.speed_limit = motion.speed_m_s.min(self.limits.speed_m_s);
-        let goal = self.chassis.odometry + asked.turned(self.ring.unit());
+        let goal = self.chassis.odometry + commanded.turned(self.ring.unit());
         let stopping = self.speed * self.speed / (2.0 * self.limits.acceleration_m_s2);
         self.drive = match self.ahead(goal) {
             _ if matches!(self.drive, Drive::Steer(..)) => self.steered(goal),
-            // It would come back.
+            // Otherwise the base would overshoot and drive back.
             Some(ahead) if ahead <= stopping => Drive::Brake(None),
             Some(_) => Drive::Roll(goal),
             None => Drive::Brake(Some(goal)),
         };
     }
 
-    /// How far ahead a goal lies to which the wheels already roll.
+    /// Distance to a goal towards which the wheels already roll; `None` for other goals.
     fn ahead(&mut self, goal: Point) -> Option<f64> {
-        let way = (goal - self.chassis.odometry).turned_back(self.steering.unit());
-        let ahead = way.x * self.speed.signum();
-        let aside = way.y.abs() > ahead.abs() * SAME_DIRECTION_RAD + ROUNDING_M;
-        (self.speed != 0.0 && ahead > -ROUNDING_M && !aside).then_some(ahead)
+        let offset = (goal - self.chassis.odometry).turned_back(self.steering.unit());
+        let ahead = offset.x * self.speed.signum();
+        let is_aside = offset.y.abs() > ahead.abs() * SAME_DIRECTION_RAD + ROUNDING_M;
+        (self.speed != 0.0 && ahead > -ROUNDING_M && !is_aside).then_some(ahead)
     }
 
     /// Advances the time by `dt_s` seconds.
     pub fn advance(&mut self, dt_s: f64, world: &World) -> Executed {
-        let mut done = Executed::nothing_yet();
+        let mut done = Executed::none();
         if dt_s != self.time_steps.whole_s {
-            self.time_steps = TimeSteps::of(dt_s);
+            self.time_steps = TimeSteps::new(dt_s);
         }
         let (mut steps, step_s) = (self.time_steps.steps, self.time_steps.step_s);
         while steps > 0 && self.is_moving() {
@@ -215,14 +217,14 @@ impl Base {
                 1
             };
         }
-        self.chassis.tell_gap(world, &mut done);
+        self.chassis.report_gap(world, &mut done);
         Executed {
             moving: self.is_moving(),
             ..done
         }
     }
 
-    /// Takes a whole stride, if its steps are plain ones; does nothing if not.
+    /// Takes a whole stride if none of its steps needs [`Base::step`]; otherwise does nothing.
     fn stride(&mut self, dt: f64, world: &World, done: &mut Executed) -> bool {
         match self.drive {
             Drive::Still | Drive::Brake(_) => false,
@@ -237,11 +239,11 @@ impl Base {
             Drive::Brake(goal) => self.brake(goal, dt, world, done),
             Drive::Steer(goal, bearing) => self.steer(goal, bearing, dt),
             Drive::Roll(goal) => {
-                let way = (goal - self.chassis.odometry).dot(self.steering.unit());
-                let (moved, speed) = self.rolling(dt).approach(way, self.speed);
+                let left = (goal - self.chassis.odometry).dot(self.steering.unit());
+                let (moved, speed) = self.rolling(dt).approach(left, self.speed);
                 self.speed = speed;
                 self.roll(moved, world, done);
-                let arrived = speed == 0.0 && (way - moved).abs() <= NEGLIGIBLE;
+                let arrived = speed == 0.0 && (left - moved).abs() <= NEGLIGIBLE;
                 if arrived && self.drive != Drive::Still {
                     self.drive = Drive::Still;
                 }
@@ -249,35 +251,34 @@ impl Base {
         }
     }
 
-    /// How fast the wheels roll.
+    /// Velocity ramp of rolling.
     fn rolling(&self, dt: f64) -> Ramp {
         Ramp::new(self.speed_limit, self.limits.acceleration_m_s2, dt)
     }
 
-    /// How fast they are turned.
+    /// Velocity ramp of steering.
     fn turning(&self, dt: f64) -> Ramp {
         let limits = &self.limits;
         Ramp::new(limits.turn_rate_rad_s, limits.turn_acceleration_rad_s2, dt)
     }
 
-    /// Rolls a stride, mirrored if it leads backward: a sign does not change how numbers are
-    /// rounded.
+    /// Rolls a stride. Mirrors a backward motion: a sign does not change the rounding.
     fn stride_rolling(&mut self, goal: Point, dt: f64, world: &World, done: &mut Executed) -> bool {
         let wheels = self.steering.unit();
-        let mut line = RollingWay {
+        let mut path = RollingPath {
             goal,
             wheels,
             odometry: self.chassis.odometry,
         };
-        let sign = sense(self.speed, line.left());
-        line.wheels = wheels * sign;
-        let Some(stride) = self.rolling(dt).stride(line, self.speed * sign) else {
+        let sign = stride_sign(self.speed, path.remaining());
+        path.wheels = wheels * sign;
+        let Some(stride) = self.rolling(dt).stride(path, self.speed * sign) else {
             return false;
         };
         self.speed = stride.velocity * sign;
-        if !self.chassis.take(&stride, world, done) {
-            for way in stride.ways {
-                self.roll(way * sign, world, done);
+        if !self.chassis.apply_stride(&stride, world, done) {
+            for distance in stride.distances {
+                self.roll(distance * sign, world, done);
                 if self.drive == Drive::Still {
                     break;
                 }
@@ -286,12 +287,12 @@ impl Base {
         true
     }
 
-    /// Slows wheels and steering down; once both rest, heads for the goal.
+    /// Brakes rolling and steering; once both are at rest, turns the wheels to the goal.
     fn brake(&mut self, goal: Option<Point>, dt: f64, world: &World, done: &mut Executed) {
-        let (turned, rate) = slow(self.turn_rate, self.limits.turn_acceleration_rad_s2, dt);
+        let (turned, rate) = servo::brake(self.turn_rate, self.limits.turn_acceleration_rad_s2, dt);
         self.turn_rate = rate;
         self.turn(turned);
-        let (moved, speed) = slow(self.speed, self.limits.acceleration_m_s2, dt);
+        let (moved, speed) = servo::brake(self.speed, self.limits.acceleration_m_s2, dt);
         self.speed = speed;
         self.roll(moved, world, done);
         if self.drive == Drive::Still || self.speed != 0.0 || self.turn_rate != 0.0 {
@@ -301,7 +302,7 @@ impl Base {
         self.drive = goal.map_or(Drive::Still, |goal| self.steered(goal));
     }
 
-    /// The wheels turn at rest until they look at a goal.
+    /// The state that turns the wheels at rest towards a goal.
     fn steered(&self, goal: Point) -> Drive {
         Drive::Steer(goal, (goal - self.chassis.odometry).angle())
     }
@@ -317,29 +318,29 @@ impl Base {
         }
     }
 
-    /// Turns the wheels by a stride, mirrored likewise, unless an angle wraps on the way.
+    /// Turns the wheels by a stride, mirrored as in rolling. Does nothing if an angle would wrap.
     fn stride_steering(&mut self, bearing: f64, dt: f64) -> bool {
         let wheels = self.steering.angle();
         let left = angle_to_turn(self.turret, bearing, wheels);
-        let sign = sense(self.turn_rate, left);
-        let turn = SteeringWay {
+        let sign = stride_sign(self.turn_rate, left);
+        let path = SteeringPath {
             bearing: bearing * sign,
-            halves: (bearing - wheels - left) * sign,
+            half_turns: (bearing - wheels - left) * sign,
             wheels: wheels * sign,
         };
-        let Some(stride) = self.turning(dt).stride(turn, self.turn_rate * sign) else {
+        let Some(stride) = self.turning(dt).stride(path, self.turn_rate * sign) else {
             return false;
         };
         let end = stride.end.wheels * sign;
-        let same = angle_to_turn(self.turret, bearing, end) == stride.end.left() * sign;
+        let same = angle_to_turn(self.turret, bearing, end) == stride.end.remaining() * sign;
         if !(same && is_wrapped(wheels) && is_wrapped(end)) {
             return false;
         }
         self.steering.set(end);
         if self.turret == TurretMode::Follow {
-            let turned = |ring, way| wrap_angle(ring + way * sign);
+            let turned = |ring, angle| wrap_angle(ring + angle * sign);
             self.ring
-                .set(stride.ways.into_iter().fold(self.ring.angle(), turned));
+                .set(stride.distances.into_iter().fold(self.ring.angle(), turned));
         }
         self.turn_rate = stride.velocity * sign;
         true
@@ -352,14 +353,14 @@ impl Base {
         }
     }
 
-    /// Rolls `way` m along the wheels, as the odometry counts, up to the first touch.
-    fn roll(&mut self, way: f64, world: &World, done: &mut Executed) {
-        let wheels = if way == 0.0 {
+    /// Rolls `distance` m of odometry along the wheels, up to the first contact.
+    fn roll(&mut self, distance: f64, world: &World, done: &mut Executed) {
+        let wheels = if distance == 0.0 {
             Point::default()
         } else {
             self.steering.unit()
         };
-        self.chassis.roll(way, wheels, world, done);
+        self.chassis.roll(distance, wheels, world, done);
         if done.touched {
             (self.speed, self.turn_rate) = (0.0, 0.0);
             self.drive = Drive::Still;

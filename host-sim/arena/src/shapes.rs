@@ -1,48 +1,48 @@
-//! The things a world is made of.
+//! Shapes of obstacles in a world.
 
 use crate::geometry::Point;
 use serde::{Deserialize, Serialize};
 
-/// Least length of a piece, a box's side or a radius, m.
+/// Smallest length of a segment, a box's side or a radius, m.
 pub(crate) const MIN_SIZE_M: f64 = 1e-6;
 
-/// A thing sound and the robot meet. Meters and radians.
+/// Shape of an obstacle, for sound and robot. Meters and radians.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
-    /// A thin wall: a chain of straight pieces, solid seen from either side.
+    /// A thin wall: a chain of straight segments, solid from both sides.
     Wall {
         /// At least two points, no two neighbors equal.
         points: Vec<Point>,
     },
     /// A solid rectangle.
     Box {
-        /// Its middle.
+        /// Its center.
         center: Point,
         /// Its full width and depth, both positive.
         size: Point,
-        /// How far it is turned, rad.
+        /// Its rotation, rad.
         angle: f64,
     },
     /// A solid disc: a post, a column.
     Circle {
-        /// Its middle.
+        /// Its center.
         center: Point,
         /// Its radius, positive.
         radius: f64,
     },
-    /// One straight piece of the outline of a solid, free on its left (occupancy maps). The pieces
-    /// of a world together close.
+    /// One straight segment of the outline of a solid, free on its left (occupancy maps). All
+    /// segments of a world form closed outlines.
     Outline {
-        /// Where the piece begins.
+        /// Start of the segment.
         from: Point,
-        /// Where it ends.
+        /// End of the segment.
         to: Point,
     },
 }
 
 impl Shape {
-    /// The wall of a room around the origin that reaches so far along each axis, m.
+    /// The wall of a room around the origin with these half sides, m.
     #[must_use]
     pub fn room(half: Point) -> Self {
         let corners = [
@@ -68,7 +68,7 @@ impl Shape {
             .map(|(x, y)| center + Point::new(x * half.x, y * half.y).turned(along))
     }
 
-    /// Calls `visit` with the ends of every straight piece.
+    /// Calls `visit` with the ends of every straight segment.
     pub fn for_each_segment(&self, mut visit: impl FnMut(Point, Point)) {
         match self {
             Self::Wall { points } => points.windows(2).for_each(|pair| visit(pair[0], pair[1])),
@@ -87,8 +87,8 @@ impl Shape {
         }
     }
 
-    /// Calls `visit` with every corner, edge and free end: where an echo comes from whatever the
-    /// angle. A joint of two pieces in line is none.
+    /// Calls `visit` with every corner, edge and free end: they return an echo at any angle. A
+    /// joint of two collinear segments is not a corner.
     pub(crate) fn for_each_corner(&self, mut visit: impl FnMut(Point)) {
         match self {
             Self::Wall { points } => wall_corners(points, visit),
@@ -97,7 +97,7 @@ impl Shape {
         }
     }
 
-    /// Whether `point` lies in the body of this shape alone (never for a thin wall).
+    /// Whether `point` is inside this shape (never for a thin wall or an outline).
     #[must_use]
     pub fn contains(&self, point: Point) -> bool {
         match self {
@@ -114,8 +114,8 @@ impl Shape {
         }
     }
 
-    /// What is wrong with this shape, if anything: sizes below [`MIN_SIZE_M`], coordinates that are
-    /// not finite or lie beyond `limit_m`.
+    /// The defect of this shape, if any: sizes below [`MIN_SIZE_M`], coordinates that are not
+    /// finite or exceed `limit_m`.
     pub(crate) fn defect(&self, limit_m: f64) -> Option<String> {
         let sized = |what: &str, value: f64| {
             let sound = (MIN_SIZE_M..=limit_m).contains(&value);
@@ -140,7 +140,7 @@ impl Shape {
     }
 }
 
-/// What is wrong with a single coordinate pair, if anything.
+/// The defect of a coordinate pair, if any.
 pub(crate) fn point_defect(point: Point, limit_m: f64) -> Option<String> {
     let bad = [point.x, point.y]
         .into_iter()
@@ -170,7 +170,7 @@ fn wall_defect(points: &[Point], limit_m: f64) -> Option<String> {
     ))
 }
 
-/// The free ends and the bends of a chain. `sin 1°` is what counts as a bend.
+/// The free ends and the bends of a chain; a bend is at least 1°.
 fn wall_corners(points: &[Point], mut visit: impl FnMut(Point)) {
     const SIN_ONE_DEGREE: f64 = 0.017_452_406;
     let (Some(&first), Some(&last)) = (points.first(), points.last()) else {
@@ -226,7 +226,7 @@ mod tests {
                 start,
             ],
         };
-        // Started in the middle of a side, the joint at the start is straight.
+        // The chain starts in the middle of a side, so the joint at the start is straight.
         assert_eq!(corners(&closed(p(0.5, 0.0))).len(), 4);
     }
 

@@ -1,4 +1,4 @@
-//! Maps of a person's own data: the commands `som` and `learn`.
+//! Trains maps on the user's own data: the commands `som` and `learn`.
 
 pub mod learn;
 pub mod som;

@@ -1,13 +1,13 @@
-//! A map of any size on borrowed slices: the one implementation behind `Som` and `DynSom`.
+//! A map of any size on borrowed slices: the common implementation of `Som` and `DynSom`.
 //!
-//! A slice that is too short ends a loop early; nothing panics.
+//! Nothing here panics: a slice that is too short ends a loop early.
 
 use crate::fixed::{
     Gain, Mask, Scalar, Weight32, approach, dot, isqrt, quotient, squared_distance, squared_norm,
 };
 use crate::grid::Grid;
 
-/// Code vectors one after another, `dims` components each.
+/// Concatenated code vectors with `dims` components each.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Codebook<'a> {
     pub(crate) grid: Grid,
@@ -37,8 +37,8 @@ impl<'a> Codebook<'a> {
             .map(move |row| squared_distance(row, probe, mask))
     }
 
-    /// |w|² − 2 w·x of each code vector by 16-bit values, in units of 2⁻²⁶: the squared distance
-    /// without the probe's own length.
+    /// |w|² − 2 w·x of each code vector, from 16-bit values, in units of 2⁻²⁶: the squared distance
+    /// minus the probe's squared length.
     pub(crate) fn scores<P: Scalar>(self, probe: &[P], mask: Mask, scores: &mut [i64]) {
         for (row, score) in self.rows().zip(scores) {
             let (norm, product) = products(row, probe, mask);
@@ -53,7 +53,7 @@ impl<'a> Codebook<'a> {
         }
     }
 
-    /// The dot product over the sum of the code vector's length and the mean length of all.
+    /// Dot product divided by the code vector's length plus the mean length of all code vectors.
     pub(crate) fn alignments<P: Scalar>(self, probe: &[P], mask: Mask, alignments: &mut [i64]) {
         let (mut sum, mut count) = (0_i64, 0_i64);
         for row in self.rows() {
@@ -69,7 +69,7 @@ impl<'a> Codebook<'a> {
 }
 
 /// Squared length of a code vector and its dot product with the probe over the components in
-/// `mask`, by 16-bit values, in units of 2⁻²⁶.
+/// `mask`, from 16-bit values, in units of 2⁻²⁶.
 fn products<P: Scalar>(row: &[Weight32], probe: &[P], mask: Mask) -> (i64, i64) {
     if mask.covers(row.len()) {
         return (squared_norm(row), dot(row, probe));
@@ -90,7 +90,7 @@ fn root(norm: i64) -> i64 {
     i64::from(isqrt(norm.unsigned_abs()))
 }
 
-/// Index of the least value, the lowest on ties; 0 for none.
+/// Index of the smallest value, the lowest on ties; 0 if there are no values.
 #[inline]
 pub(crate) fn least(values: impl Iterator<Item = u64>) -> usize {
     let mut best = (0, u64::MAX);

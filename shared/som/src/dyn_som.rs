@@ -1,4 +1,4 @@
-//! A map whose size is known at run time only.
+//! A map whose size is known only at run time.
 
 use crate::MAX_DIMS;
 use crate::codebook::{Codebook, least, pull};
@@ -10,7 +10,7 @@ use crate::train::{TrainConfig, shuffle};
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// A map on the heap: searches and learns as [`Som`](crate::Som), bit for bit.
+/// A map on the heap. Searches and updates are bit-identical to those of [`Som`](crate::Som).
 ///
 /// Samples and code vectors are slices of [`Weight32`] in [−1, 1], `dims` components each.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -24,7 +24,7 @@ pub struct DynSom {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TooManyComponents(
-    /// How many.
+    /// Number of components.
     pub usize,
 );
 
@@ -37,11 +37,11 @@ impl core::fmt::Display for TooManyComponents {
 impl core::error::Error for TooManyComponents {}
 
 impl DynSom {
-    /// A map of `dims` ≥ 1 components with these code vectors, one after another; components are
-    /// clamped to [−1, 1], missing ones are 0.
+    /// A map with these concatenated code vectors of `dims` ≥ 1 components. Components are clamped
+    /// to [−1, 1]; missing ones are 0.
     ///
     /// # Errors
-    /// [`TooManyComponents`] where `dims` is above [`MAX_DIMS`].
+    /// [`TooManyComponents`] if `dims` is above [`MAX_DIMS`].
     pub fn new(
         grid: Grid,
         dims: usize,
@@ -113,7 +113,7 @@ impl DynSom {
         bmu
     }
 
-    /// Trains the map on samples that stand one after another; see
+    /// Trains the map on concatenated samples; see
     /// [`Som::train`](crate::Som::train).
     pub fn train(
         &mut self,
@@ -134,7 +134,7 @@ impl DynSom {
         }
     }
 
-    /// Quality over samples that stand one after another, and how many of them each neuron wins.
+    /// Quality on concatenated samples, and the number of samples that each neuron wins.
     #[must_use]
     pub fn quality(&self, samples: &[Weight32]) -> (Quality, Vec<u32>) {
         let mut quality = Quality::default();
@@ -164,7 +164,7 @@ impl DynSom {
     }
 }
 
-/// Exchanges two rows, `a` before `b`.
+/// Swaps rows `a` and `b`; `a` must be below `b`.
 fn swap_rows(rows: &mut [Weight32], dims: usize, a: usize, b: usize) {
     let (start, end) = (a.saturating_mul(dims), b.saturating_mul(dims));
     if let Some((head, tail)) = rows.split_at_mut_checked(end) {

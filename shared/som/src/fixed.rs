@@ -1,6 +1,6 @@
 //! Number formats of the maps, and the arithmetic on them.
 //!
-//! Nothing here panics. Every operation that may overflow says what it does instead.
+//! Nothing here panics. The documentation of each operation that may overflow defines the result.
 
 mod functions;
 mod mask;
@@ -15,10 +15,11 @@ pub(crate) use vectors::high_product;
 /// A component of a sample: I3F13, 1.0 = 8192, resolution 2⁻¹³ = 0.000122.
 pub type Weight = ::fixed::types::I3F13;
 
-/// A component of a code vector: I3F29, 1.0 = 2²⁹. Its upper half is the [`Weight`] below it.
+/// A component of a code vector: I3F29, 1.0 = 2²⁹. Its upper 16 bits are the value rounded down to
+/// a [`Weight`].
 ///
-/// The lower half matters: without it, learning loses every change below half a unit of 2⁻¹³. At a
-/// rate of 1 % a component would stop 50 units short of its samples.
+/// Training needs the lower 16 bits: with 16 bits, every change below 2⁻¹⁴ is lost. At a learning
+/// rate of 1 % a component would stop 50 units of 2⁻¹³ before its samples.
 pub type Weight32 = ::fixed::types::I3F29;
 
 /// 1.0 as raw bits of a [`Weight`].
@@ -27,7 +28,7 @@ pub const ONE_BITS: i16 = 1 << 13;
 /// 1.0 as raw bits of a [`Weight32`].
 pub const FINE_ONE_BITS: i32 = 1 << 29;
 
-/// The weight at or next below a component: its upper 16 bits.
+/// A component rounded down to a [`Weight`]: its upper 16 bits.
 #[inline]
 #[must_use]
 pub const fn to_weight16(component: Weight32) -> Weight {
@@ -60,13 +61,13 @@ pub const fn q16(value: f32) -> u32 {
     (value * 65_536.0 + 0.5) as u32
 }
 
-/// A fraction in [0, 1] with 30 bits behind the point: learning rates and neighborhood values.
+/// A fraction in [0, 1] with 30 fractional bits: learning rates and neighborhood values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Gain(i32);
 
 impl Gain {
-    /// 0: nothing moves.
+    /// 0: no change.
     pub const ZERO: Self = Self(0);
     /// 1: the code vector becomes the sample.
     pub const ONE: Self = Self(1 << 30);

@@ -1,8 +1,8 @@
-//! Where the neurons stand: a rectangle with four direct neighbors each, or a chain with two.
+//! The grid of neurons: a rectangle with four direct neighbors each, or a chain with two.
 
 use crate::fixed::Mask;
 
-/// What happens at the border of the grid.
+/// Border of the grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -10,11 +10,11 @@ pub enum Edges {
     /// Neurons at the border have fewer neighbors.
     #[default]
     Open,
-    /// Left meets right and top meets bottom (a torus): every neuron has four neighbors.
+    /// Opposite borders are connected (a torus): every neuron has four neighbors.
     Wrapped,
 }
 
-/// A rectangular grid; neuron `k` stands in column `k % columns`, row `k / columns`.
+/// A rectangular grid. Neuron `k` is in column `k % columns`, row `k / columns`.
 ///
 /// A chain is a grid of one row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,10 +25,10 @@ pub enum Edges {
 )]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Grid {
-    /// Columns after the first: an all-zero grid is one neuron, and static maps of it take no
-    /// flash.
+    /// Columns minus 1. A grid of one neuron is then all zeros, so a static map of it is in `.bss`
+    /// and takes no flash.
     more_columns: u16,
-    /// Rows after the first.
+    /// Rows minus 1.
     more_rows: u16,
     edges: Edges,
 }
@@ -36,19 +36,19 @@ pub struct Grid {
 /// The grid of [`NEIGHBORS_4X4`].
 const GRID_4X4: Grid = Grid::rectangle(4, 4);
 
-/// Direct neighbors of each neuron, bit by bit: a table saves 60 instructions per update on a
+/// Direct neighbors of each neuron as bits. The table saves 60 instructions per update on a
 /// Cortex-M4.
 static NEIGHBORS_4X4: [u16; 16] = {
-    let mut around = [0; 16];
+    let mut masks = [0; 16];
     let mut k = 0;
     while k < 16 {
         let here = 1_u16 << k;
         let left = if k % 4 == 0 { 0 } else { here >> 1 };
         let right = if k % 4 == 3 { 0 } else { here << 1 };
-        around[k] = left | right | here >> 4 | here << 4;
+        masks[k] = left | right | here >> 4 | here << 4;
         k += 1;
     }
-    around
+    masks
 };
 
 impl From<(u16, u16, Edges)> for Grid {
@@ -91,13 +91,13 @@ impl Grid {
         Self { edges, ..self }
     }
 
-    /// Neurons along a row.
+    /// Number of columns.
     #[must_use]
     pub const fn columns(self) -> usize {
         self.more_columns as usize + 1
     }
 
-    /// Rows.
+    /// Number of rows.
     #[must_use]
     pub const fn rows(self) -> usize {
         self.more_rows as usize + 1
@@ -149,7 +149,7 @@ impl Grid {
         }
     }
 
-    /// Length of the shortest walk between two neurons over direct neighbors.
+    /// Length of the shortest path between two neurons over direct neighbors.
     #[must_use]
     pub fn hops(self, a: usize, b: usize) -> usize {
         let (dx, dy) = self.offsets(a, b);
@@ -163,7 +163,7 @@ impl Grid {
         let (columns, rows) = (self.columns(), self.rows());
         let in_row = move |x: usize| y * columns + x;
         let in_column = move |y: usize| y * columns + x;
-        let around = if k < self.len() {
+        let neighbors = if k < self.len() {
             [
                 self.before(x, columns).map(in_row),
                 self.after(x, columns).map(in_row),
@@ -173,29 +173,29 @@ impl Grid {
         } else {
             [None; 4]
         };
-        around.into_iter().flatten()
+        neighbors.into_iter().flatten()
     }
 
-    /// The place before `place` along an axis.
-    const fn before(self, place: usize, length: usize) -> Option<usize> {
-        match (place.checked_sub(1), self.edges) {
-            // Along a wrapped axis of two, the place before is the place after: it counts once.
+    /// The position before `position` along an axis.
+    const fn before(self, position: usize, length: usize) -> Option<usize> {
+        match (position.checked_sub(1), self.edges) {
+            // On a wrapped axis of two both neighbors are the same neuron: `after` returns it.
             (_, Edges::Wrapped) if length <= 2 => None,
             (None, Edges::Wrapped) => Some(length - 1),
             (before, _) => before,
         }
     }
 
-    /// The place after `place` along an axis.
-    const fn after(self, place: usize, length: usize) -> Option<usize> {
+    /// The position after `position` along an axis.
+    const fn after(self, position: usize, length: usize) -> Option<usize> {
         match self.edges {
-            _ if place + 1 < length => Some(place + 1),
+            _ if position + 1 < length => Some(position + 1),
             Edges::Wrapped if length > 1 => Some(0),
             _ => None,
         }
     }
 
-    /// The direct neighbors of neuron `k`; those from 32 on are left out.
+    /// The direct neighbors of neuron `k` below 32.
     #[inline]
     pub(crate) fn neighbor_mask(self, k: usize) -> Mask {
         match NEIGHBORS_4X4.get(k) {
@@ -257,17 +257,17 @@ mod tests {
     }
 
     #[test]
-    fn the_mask_of_neighbors_holds_the_neighbors() {
+    fn the_neighbor_mask_equals_the_neighbors() {
         for edges in [Edges::Open, Edges::Wrapped] {
             for (columns, rows) in [(4, 4), (16, 1), (32, 1), (1, 32), (5, 3), (2, 2), (1, 1)] {
                 let grid = Grid::rectangle(columns, rows).with_edges(edges);
                 for k in 0..34 {
-                    let around = grid.neighbors(k).collect::<Vec<_>>();
+                    let neighbors = grid.neighbors(k).collect::<Vec<_>>();
                     let mask = grid.neighbor_mask(k).to_bits();
                     let bits = (0..32).filter(|k| mask & (1 << k) != 0);
-                    let mut around = around.clone();
-                    around.sort_unstable();
-                    assert_eq!(bits.collect::<Vec<_>>(), around, "{grid:?} {k}");
+                    let mut neighbors = neighbors.clone();
+                    neighbors.sort_unstable();
+                    assert_eq!(bits.collect::<Vec<_>>(), neighbors, "{grid:?} {k}");
                 }
             }
         }

@@ -1,30 +1,30 @@
-//! The door for processor-specific code: BMU search and update of 16 neurons with 16 components.
+//! Interface for CPU-specific kernels: BMU search and update of 16 neurons with 16 components.
 //!
-//! Results are those of the portable code, bit for bit; tests on the chip compare them. Maps of
-//! other sizes, partial masks and gains of 1/2 or more always take the portable code.
+//! Results are bit-identical to those of the portable code; tests on the chip compare them. Maps of
+//! other sizes, partial masks and gains of 1/2 or more always use the portable code.
 
 use crate::fixed::{Mask, Scalar as _, Weight, Weight32, high_product};
 use crate::grid::Grid;
-use crate::neighborhood::{Shape, Update};
+use crate::neighborhood::{NeighborhoodShape, Update};
 
-/// A table of two functions that a board hands to [`Som::use_kernels`](crate::Som::use_kernels).
+/// Two kernel functions that a board passes to [`Som::use_kernels`](crate::Som::use_kernels).
 #[derive(Debug)]
 pub struct Kernels {
-    /// Finds the neurons that may be nearest by their ranks, (base − 2 w·x) / 2 in units of 2⁻²⁶.
+    /// Finds the candidates for the BMU by rank, (base − 2 w·x) / 2 in units of 2⁻²⁶.
     ///
-    /// Returns the neuron of least rank if every other rank is above it by more than `margin`.
-    /// Otherwise returns bit 16 + `k` for each neuron `k` within the margin of the least rank, and
-    /// possibly for that neuron alone. Half a base and each product are rounded down. No rank
-    /// leaves 32 bits.
+    /// Returns the neuron of lowest rank if every other rank exceeds it by more than `margin`.
+    /// Otherwise sets bit 16 + `k` for each neuron `k` within `margin` of the lowest rank; this may
+    /// be one neuron. Half a base and each product are rounded down. Ranks fit 32 bits.
     pub candidates: extern "C" fn(
         code: &[[Weight32; 16]; 16],
         bases: &[i32; 16],
         probe: &[Weight; 16],
         margin: i32,
     ) -> u32,
-    /// Moves two groups of neurons towards the probe as [`approach`](crate::fixed::approach) does.
+    /// Moves two groups of neurons towards the probe, with the result of
+    /// [`approach`](crate::fixed::approach).
     ///
-    /// Keeps `norms` in step: the sum of a code vector's squared components in units of 2⁻²⁶, each
+    /// Also updates `norms`: the sum of a code vector's squared components in units of 2⁻²⁶, each
     /// square rounded down.
     pub update: extern "C" fn(
         code: &mut [[Weight32; 16]; 16],
@@ -44,27 +44,27 @@ pub struct Group {
     pub neurons: u32,
 }
 
-/// By how much two ranks of `dims` components may be out of order.
+/// Largest rounding error of the difference of two ranks with `dims` components.
 ///
-/// Per component, in units of 2⁻²⁶: squared distances are rounded by less than 16, squares by 1,
-/// products by 2. Beside them the base and its half by 1 each. Two ranks are compared, and ranks
-/// are half as large.
+/// Errors per component in units of 2⁻²⁶: squared distances below 16, squares 1, products 2. The
+/// base and its half add 1 each. The difference has two errors, and a rank is half a distance.
 const fn margin(dims: usize) -> i32 {
     (16 + 1 + 2) * dims as i32 + 2
 }
 
-/// A second map of two components has less than this weight, in 1/256: then a base fits 31 bits.
+/// Limit of the weight of a second map with two components, in 1/256: below it, a base fits 31
+/// bits.
 const MAX_JOINT_WEIGHT_Q8: u16 = 512;
 
-/// What a search by ranks leaves.
-pub(crate) enum Candidates {
+/// Result of a search by ranks.
+pub(crate) enum BmuCandidates {
     /// The BMU.
     One(usize),
     /// One of these is the BMU.
     Several(Mask),
 }
 
-/// Kernels and the squared lengths that they search by, for a map of their size.
+/// Kernels, and the squared lengths of the code vectors that their search needs.
 #[derive(Debug, Clone)]
 pub(crate) struct Accelerator {
     kernels: &'static Kernels,
@@ -72,7 +72,7 @@ pub(crate) struct Accelerator {
 }
 
 impl Accelerator {
-    /// `None` for a map of another size.
+    /// `None` if the map does not have the kernels' size.
     pub(crate) fn new<const NEURONS: usize, const DIMS: usize>(
         kernels: &'static Kernels,
         code: &[[Weight32; DIMS]; NEURONS],
@@ -81,7 +81,7 @@ impl Accelerator {
         Some(Self { kernels, norms })
     }
 
-    /// The code vector of neuron `k` has changed.
+    /// Updates the norm of neuron `k` after a change of its code vector.
     pub(crate) fn renew(&mut self, k: usize, row: &[Weight32]) {
         if let Some(old) = self.norms.get_mut(k) {
             *old = norm(row);
@@ -93,12 +93,12 @@ impl Accelerator {
         &self,
         code: &[[Weight32; DIMS]; NEURONS],
         probe: &[Weight; DIMS],
-    ) -> Option<Candidates> {
+    ) -> Option<BmuCandidates> {
         self.search(code, &self.norms, probe, margin(DIMS))
     }
 
-    /// The same with the weighted distances of a second map of two components; `None` for another
-    /// one and for a large weight.
+    /// As [`candidates`](Self::candidates), with the weighted distances of a second map. `None` if
+    /// that map does not have two components or the weight is too large.
     #[inline]
     pub(crate) fn joint_candidates<const NEURONS: usize, const DIMS: usize, const OTHER: usize>(
         &self,
@@ -107,7 +107,7 @@ impl Accelerator {
         other: &[[Weight32; OTHER]; NEURONS],
         other_probe: &[Weight; OTHER],
         weight_q8: u16,
-    ) -> Option<Candidates> {
+    ) -> Option<BmuCandidates> {
         let [x, y] = other_probe.as_slice() else {
             return None;
         };
@@ -123,7 +123,7 @@ impl Accelerator {
             let weighted = i64::from(squared).wrapping_mul(i64::from(weight_q8)) >> 8;
             *base = base.wrapping_add(weighted as i32);
         }
-        // Each component of the second map counts less than twice.
+        // The weight is below 2, so each of its two components adds less than two errors.
         self.search(code, &bases, probe, margin(DIMS + 4))
     }
 
@@ -134,17 +134,17 @@ impl Accelerator {
         bases: &[i32; 16],
         probe: &[Weight; DIMS],
         margin: i32,
-    ) -> Option<Candidates> {
+    ) -> Option<BmuCandidates> {
         let probe = probe.as_slice().try_into().ok()?;
         let found = (self.kernels.candidates)(sized(code)?, bases, probe, margin);
         Some(if found < 1 << 16 {
-            Candidates::One(found as usize)
+            BmuCandidates::One(found as usize)
         } else {
-            Candidates::Several(Mask::from_bits(found >> 16))
+            BmuCandidates::Several(Mask::from_bits(found >> 16))
         })
     }
 
-    /// `None` where the kernel cannot do this step: nothing has moved then.
+    /// `None` if the map does not have the kernel's size; the map is then unchanged.
     #[inline]
     pub(crate) fn update<const NEURONS: usize, const DIMS: usize>(
         &mut self,
@@ -158,13 +158,13 @@ impl Accelerator {
     }
 }
 
-/// The neurons that move, by their gains; `None` for a Gaussian and for gains of 1/2 or more.
+/// The neurons that move, grouped by gain; `None` for a Gaussian and for gains of 1/2 or more.
 #[inline]
 pub(crate) fn groups(update: &Update, grid: Grid, bmu: usize) -> Option<[Group; 2]> {
-    let Shape::Direct { share } = update.shape else {
+    let NeighborhoodShape::Direct { share } = update.shape else {
         return None;
     };
-    // The share is not above the rate.
+    // The neighbors' gain is at most the rate.
     if !update.rate.is_below_half() {
         return None;
     }
@@ -191,7 +191,7 @@ pub(crate) const fn fit(neurons: usize, dims: usize) -> bool {
     neurons == 16 && dims == 16
 }
 
-/// The code vectors, if there are 16 of 16 components.
+/// The code vectors if the map has the kernels' size.
 #[inline]
 fn sized<const NEURONS: usize, const DIMS: usize>(
     code: &[[Weight32; DIMS]; NEURONS],
@@ -208,7 +208,7 @@ fn sized_mut<const NEURONS: usize, const DIMS: usize>(
     rows.try_into().ok().filter(|_| fit(NEURONS, DIMS))
 }
 
-/// Squared length in units of 2⁻²⁶, the square of each component rounded down.
+/// Squared length in units of 2⁻²⁶; the square of each component is rounded down.
 fn norm(row: &[Weight32]) -> i32 {
     let squares = row.iter().map(|w| high_product(w.to_bits(), w.to_bits()));
     squares.fold(0, i32::wrapping_add)

@@ -30,21 +30,21 @@
 //! assert_eq!(hits.iter().sum::<u32>(), 4);
 //! let bmu = map.bmu(&[0.1, 0.2].map(value), Mask::ALL);
 //! assert_eq!(map.code_vector(bmu).map(|w| (w.to_num::<f32>() * 4.0) as u8), [0, 0]);
-//! // How far a sample is from all that was seen, in mean distances of the training's samples.
+//! // Distance of a new sample to its BMU, relative to the mean over the training samples.
 //! assert!(map.novelty(&[0.9, 0.1].map(value), &quality) > 3.0);
 //! ```
 //!
 //! # Sizes
 //!
-//! [`Som`] holds `NEURONS` code vectors of up to 4095 components in an array: `4 · NEURONS · DIMS`
-//! bytes and a few more. `DynSom` (feature `alloc`) has sizes known at run time. Both share one
-//! implementation. Values lie in [−1, 1]: scale samples first.
+//! [`Som`] holds `NEURONS` code vectors of up to 4095 components in an array of
+//! `4 · NEURONS · DIMS` bytes. `DynSom` (feature `alloc`) has sizes known at run time. Both share
+//! one implementation. Values lie in [−1, 1]: scale samples first.
 //!
-//! # Beyond the textbook
+//! # Associative memory
 //!
-//! Maps serve as associative memories: a [`Mask`] probes with a part of the vector,
-//! [`Som::alignments`] by the *direction* of a probe instead of its distance, and
-//! [`Som::joint_bmu`] searches two maps over one grid together.
+//! A map can recall the rest of a vector from a part of it. A [`Mask`] selects the components that
+//! are compared. [`Som::alignments`] compares directions instead of distances. [`Som::joint_bmu`]
+//! searches two maps on the same grid together.
 //!
 //! # Features
 //!
@@ -63,7 +63,7 @@ extern crate alloc;
 #[cfg(test)]
 extern crate std;
 
-/// The examples of the crate's page run as tests.
+/// Runs the examples in the README as tests.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
@@ -92,7 +92,7 @@ pub use schedule::{Decay, Schedule};
 pub use som::Som;
 pub use train::{SampleOrder, TrainConfig};
 
-/// Most components of a code vector: a squared distance of so many fits 64 bits.
+/// Largest number of components of a code vector; their squared distance fits 64 bits.
 pub const MAX_DIMS: usize = 4095;
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
-//! How strongly each neuron moves when one of them wins.
+//! Gain of each neuron in a training step, by its grid distance to the BMU.
 
 use crate::fixed::{Gain, exp_neg, q16};
 use crate::grid::Grid;
 
-/// The shape of the neighborhood.
+/// Neighborhood function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -21,12 +21,12 @@ pub enum Neighborhood {
 pub struct Update {
     /// Gain of the BMU.
     pub(crate) rate: Gain,
-    pub(crate) shape: Shape,
+    pub(crate) shape: NeighborhoodShape,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(crate) enum Shape {
+pub(crate) enum NeighborhoodShape {
     /// Gain of the direct neighbors.
     Direct { share: Gain },
     /// 2σ² in Q16.
@@ -51,33 +51,33 @@ impl Update {
     pub const fn from_q16(neighborhood: Neighborhood, rate_q16: u32, radius_q16: u32) -> Self {
         let rate = Gain::from_q16(rate_q16);
         let shape = match neighborhood {
-            Neighborhood::Direct => Shape::Direct {
+            Neighborhood::Direct => NeighborhoodShape::Direct {
                 share: rate.times(Gain::from_q16(radius_q16)),
             },
-            Neighborhood::Gaussian => Shape::Gaussian {
+            Neighborhood::Gaussian => NeighborhoodShape::Gaussian {
                 width_q16: (radius_q16 as u64 * radius_q16 as u64) >> 15,
             },
         };
         Self { rate, shape }
     }
 
-    /// Whether the BMU moves alone.
+    /// Whether only the BMU moves.
     #[must_use]
     pub fn is_alone(&self) -> bool {
-        self.shape == Shape::Direct { share: Gain::ZERO }
+        self.shape == NeighborhoodShape::Direct { share: Gain::ZERO }
     }
 
-    /// Calls `moves` with each neuron that moves when `bmu` wins, and its gain.
+    /// Calls `moves` with the index and gain of each neuron that moves if `bmu` wins.
     #[inline]
     pub fn for_each(&self, grid: Grid, bmu: usize, mut moves: impl FnMut(usize, Gain)) {
         match self.shape {
-            Shape::Direct { share } => {
+            NeighborhoodShape::Direct { share } => {
                 moves(bmu, self.rate);
                 if share != Gain::ZERO {
                     self.for_neighbors(grid, bmu, share, moves);
                 }
             }
-            Shape::Gaussian { width_q16 } => self.for_all(grid, bmu, width_q16, moves),
+            NeighborhoodShape::Gaussian { width_q16 } => self.for_all(grid, bmu, width_q16, moves),
         }
     }
 
@@ -114,14 +114,14 @@ impl Update {
     }
 }
 
-/// exp(−d²/2σ²) of a distance along one axis; `width_q16` is 2σ². A σ of 0 leaves the BMU alone.
+/// exp(−d²/2σ²) of a distance along one axis; `width_q16` is 2σ². With σ = 0 only the BMU moves.
 /// Absolute error at most 5·10⁻⁵.
 fn gaussian(distance: usize, width_q16: u64) -> Gain {
     if distance == 0 {
         return Gain::ONE;
     }
     let squared = (distance as u64).saturating_mul(distance as u64);
-    // The exponent saturates, which is e^(−65 535) = 0.
+    // Saturates at e^(−65 535), which is 0.
     let exponent = squared.saturating_mul(1 << 32).checked_div(width_q16);
     let exponent = exponent.map_or(u32::MAX, |x| u32::try_from(x).unwrap_or(u32::MAX));
     Gain::from_bits(exp_neg(exponent) >> 1)
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn no_width_moves_the_bmu_alone() {
+    fn a_radius_of_0_moves_only_the_bmu() {
         for neighborhood in [Neighborhood::Gaussian, Neighborhood::Direct] {
             let update = Update::from_q16(neighborhood, 1 << 16, 0);
             let mut moved = Vec::new();

@@ -1,4 +1,4 @@
-//! How good a map is: the field's usual measures.
+//! Quality measures of a map.
 //!
 //! * *quantization error*: mean Euclidean distance of the samples to their BMUs;
 //! * *topographic error*: share of the samples whose two best neurons are not direct neighbors
@@ -7,7 +7,7 @@
 use crate::codebook::Codebook;
 use crate::fixed::{Mask, Scalar, isqrt, squared_distance};
 
-/// Running sums over samples.
+/// Accumulated sums over samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -19,7 +19,7 @@ pub struct Quality {
     apart: u32,
 }
 
-/// The root of a squared distance in units of 2⁻⁵⁰, in units of 2⁻²¹.
+/// Square root of a squared distance in units of 2⁻⁵⁰, in units of 2⁻²¹.
 fn distance_q21(squared: u64) -> u64 {
     u64::from(isqrt(squared)) >> 4
 }
@@ -28,7 +28,7 @@ fn distance_q21(squared: u64) -> u64 {
 const ONE_Q21: f32 = 2_097_152.0;
 
 impl Quality {
-    /// Takes one sample and returns its BMU.
+    /// Adds one sample and returns its BMU.
     pub(crate) fn add<P: Scalar>(&mut self, map: Codebook<'_>, sample: &[P]) -> usize {
         let (mut first, mut second) = ((0, u64::MAX), None);
         for (k, distance) in map.distances(sample, Mask::ALL).enumerate() {
@@ -71,7 +71,7 @@ impl Quality {
         f64::from(self.apart) / f64::from(self.samples.max(1))
     }
 
-    /// Number of samples taken.
+    /// Number of samples.
     #[must_use]
     pub const fn samples(&self) -> u32 {
         self.samples
@@ -83,9 +83,10 @@ impl Quality {
         self.apart
     }
 
-    /// A squared distance to a BMU, in units of 2⁻⁵⁰, as a multiple of the quantization error.
+    /// Distance to a BMU divided by the quantization error. The argument is the squared distance in
+    /// units of 2⁻⁵⁰.
     ///
-    /// Infinite for a distance above an error of 0, 0 for no distance.
+    /// 0 for a distance of 0; otherwise infinite if the quantization error is 0.
     #[must_use]
     pub fn novelty(&self, squared_distance: u64) -> f32 {
         let distance = distance_q21(squared_distance);
@@ -95,8 +96,7 @@ impl Quality {
         distance as f32 / self.quantization_error_q21() as f32
     }
 
-    /// The novelty of the sample farthest from its BMU: no sample taken so far is newer. A
-    /// threshold for what training has not seen.
+    /// Largest novelty of the samples so far. A sample above it is unlike any of them.
     #[must_use]
     pub fn largest_novelty(&self) -> f32 {
         match self.largest_q21 {
@@ -119,7 +119,7 @@ impl Codebook<'_> {
         let (mut sum, mut count) = (0_u64, 0_u64);
         for neighbor in self.grid.neighbors(k) {
             let distance = squared_distance(own, self.row(neighbor), Mask::ALL);
-            // The root of a number of 2⁻⁵⁰ is one of 2⁻²⁵.
+            // The square root of units of 2⁻⁵⁰ has units of 2⁻²⁵; the shift converts to 2⁻¹³.
             sum = sum.saturating_add(u64::from(isqrt(distance)) >> 12);
             count += 1;
         }

@@ -1,8 +1,8 @@
-//! How learning rate and radius fall while a map learns.
+//! Schedules of learning rate and radius over a training.
 
 use crate::fixed::{exp2_neg, log2_ratio, q16};
 
-/// The shape of the fall; t runs from 0 to 1 over the training.
+/// Formula of the decay; t runs from 0 to 1 over the training.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -15,8 +15,8 @@ pub enum Decay {
     Inverse,
 }
 
-/// A value that falls from `start` to `end` over a training and never rises; kept in Q16 (65 536 =
-/// 1.0).
+/// A value that decays from `start` to `end` over a training, in Q16 (65 536 = 1.0). It never
+/// rises.
 ///
 /// ```
 /// # use tinysom::{Decay, Schedule};
@@ -36,7 +36,7 @@ pub struct Schedule {
     start_q16: u32,
     end_q16: u32,
     decay: Decay,
-    /// log2(start/end), for the exponential fall.
+    /// log2(start/end), for exponential decay.
     octaves_q16: u32,
 }
 
@@ -53,15 +53,16 @@ impl From<Schedule> for (u32, u32, Decay) {
 }
 
 impl Schedule {
-    /// A fall from `start` to `end`, from 0 to 65 535; an end above the start is lowered to it.
+    /// Decay from `start` to `end`, both from 0 to 65 535. An end above the start is set to the
+    /// start.
     ///
-    /// An exponential or inverse fall never reaches 0: an end of 0 counts as 2⁻¹⁶ there.
+    /// Exponential and inverse decay never reach 0: they treat an end of 0 as 2⁻¹⁶.
     #[must_use]
     pub const fn new(start: f32, end: f32, decay: Decay) -> Self {
         Self::from_q16(q16(start), q16(end), decay)
     }
 
-    /// The same with both ends in Q16.
+    /// As [`new`](Self::new), with both values in Q16.
     #[must_use]
     pub const fn from_q16(start_q16: u32, end_q16: u32, decay: Decay) -> Self {
         let end = if end_q16 > start_q16 {
@@ -77,7 +78,7 @@ impl Schedule {
         }
     }
 
-    /// A value in Q16 that does not fall.
+    /// A constant value in Q16.
     #[must_use]
     pub const fn constant(value_q16: u32) -> Self {
         Self::from_q16(value_q16, value_q16, Decay::Linear)
@@ -95,13 +96,13 @@ impl Schedule {
         self.end_q16
     }
 
-    /// The shape of the fall.
+    /// The formula of the decay.
     #[must_use]
     pub const fn decay(self) -> Decay {
         self.decay
     }
 
-    /// The value at `step` of `steps`, Q16; the end from the last step on.
+    /// The value at `step` of `steps`, Q16; `end` from the last step on.
     #[must_use]
     pub fn at(self, step: u32, steps: u32) -> u32 {
         if steps == 0 || step >= steps || self.start_q16 == self.end_q16 {
@@ -129,12 +130,12 @@ impl Schedule {
                 (top / bottom) as u64
             }
         };
-        // Not `clamp`: it panics where the end is above the start, which `from_q16` rules out.
+        // `clamp` could panic: the compiler does not know that the end is at most the start.
         (value as u32).max(self.end_q16).min(self.start_q16)
     }
 }
 
-/// `numerator / denominator`, in 32 bits where they suffice: one instruction instead of hundreds.
+/// `numerator / denominator`; in 32 bits where both fit: one instruction instead of hundreds.
 fn ratio(numerator: u64, denominator: u64) -> u64 {
     let small = (u32::try_from(numerator), u32::try_from(denominator));
     if let (Ok(numerator), Ok(denominator)) = small
@@ -167,18 +168,24 @@ mod tests {
     }
 
     #[test]
-    fn a_schedule_is_what_it_was_made_of_and_at_the_worst_constant() {
-        let fall = Schedule::from_q16(500, 20, Decay::Inverse);
+    fn a_schedule_returns_its_settings_and_handles_extreme_ones() {
+        let inverse = Schedule::from_q16(500, 20, Decay::Inverse);
         assert_eq!(
-            (fall.start_q16(), fall.end_q16(), fall.decay()),
+            (inverse.start_q16(), inverse.end_q16(), inverse.decay()),
             (500, 20, Decay::Inverse)
         );
         assert_eq!(
             Schedule::from_q16(20, 500, Decay::Linear),
             Schedule::constant(20)
         );
-        assert_eq!(<(u32, u32, Decay)>::from(fall), (500, 20, Decay::Inverse));
-        assert_eq!((fall.at(0, 0), fall.at(1, 0), fall.at(9, 9)), (500, 20, 20));
+        assert_eq!(
+            <(u32, u32, Decay)>::from(inverse),
+            (500, 20, Decay::Inverse)
+        );
+        assert_eq!(
+            (inverse.at(0, 0), inverse.at(1, 0), inverse.at(9, 9)),
+            (500, 20, 20)
+        );
         assert_eq!(
             (
                 Schedule::constant(7).at(3, 9),
@@ -186,7 +193,7 @@ mod tests {
             ),
             (7, 0)
         );
-        // Numbers beyond 32 bits.
+        // The products exceed 32 bits.
         assert_eq!(
             Schedule::from_q16(1 << 31, 0, Decay::Linear).at(1 << 30, u32::MAX),
             (1 << 31) - (1 << 29)
@@ -195,7 +202,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn never_rises_and_keeps_its_ends(
+        fn never_rises_and_reaches_both_ends(
             decay in decays(), start in 0_u32..10_000_000, end in 0_u32..10_000_000, steps in 1_u32..2_000,
         ) {
             let schedule = Schedule::from_q16(start, end, decay);

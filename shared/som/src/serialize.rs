@@ -1,6 +1,6 @@
-//! Maps as data: (grid, components of a code vector, all components in units of 2⁻²⁹).
+//! Serialization: (grid, components of a code vector, all components in units of 2⁻²⁹).
 //!
-//! `Som` and `DynSom` write the same; each reads what the other wrote, if the sizes fit.
+//! `Som` and `DynSom` have the same format; each can read the other's if the sizes match.
 
 use crate::fixed::Weight32;
 use crate::grid::Grid;

@@ -4,14 +4,14 @@ use crate::MAX_DIMS;
 use crate::codebook::{Codebook, least, pull};
 use crate::fixed::{Gain, Mask, Scalar as _, Weight, Weight32, to_weight16, unit_weight32};
 use crate::grid::Grid;
-use crate::kernels::{Accelerator, Candidates, Kernels, fit, groups};
+use crate::kernels::{Accelerator, BmuCandidates, Kernels, fit, groups};
 use crate::neighborhood::Update;
 use crate::quality::Quality;
 use crate::train::{TrainConfig, shuffle};
 
 /// A map of `NEURONS` neurons with code vectors of `DIMS` components in [−1, 1].
 ///
-/// `DIMS` is at most [`MAX_DIMS`]; more do not compile.
+/// `DIMS` is at most [`MAX_DIMS`]; a larger value does not compile.
 #[derive(Debug, Clone)]
 pub struct Som<const NEURONS: usize, const DIMS: usize> {
     grid: Grid,
@@ -19,7 +19,7 @@ pub struct Som<const NEURONS: usize, const DIMS: usize> {
     accelerator: Option<Accelerator>,
 }
 
-/// Maps are equal by grid and code vectors; kernels do not matter.
+/// Compares grid and code vectors, not kernels.
 impl<const NEURONS: usize, const DIMS: usize> PartialEq for Som<NEURONS, DIMS> {
     fn eq(&self, other: &Self) -> bool {
         self.grid == other.grid && self.code == other.code
@@ -31,7 +31,7 @@ impl<const NEURONS: usize, const DIMS: usize> Eq for Som<NEURONS, DIMS> {}
 impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     /// A map with these code vectors; components are clamped to [−1, 1].
     ///
-    /// `grid` should have `NEURONS` places: neurons beyond them have no neighbors.
+    /// `grid` should have `NEURONS` neurons; those beyond it have no neighbors.
     #[must_use]
     pub fn new(grid: Grid, code: [[Weight; DIMS]; NEURONS]) -> Self {
         let mut map = Self::zeroed(grid);
@@ -69,7 +69,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         self.grid
     }
 
-    /// Replaces the grid by another of as many places.
+    /// Replaces the grid by another with the same number of neurons.
     pub const fn set_grid(&mut self, grid: Grid) {
         self.grid = grid;
     }
@@ -80,7 +80,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         &self.code
     }
 
-    /// The code vector of neuron `k` to 16 bits; zeros for a neuron that does not exist.
+    /// The code vector of neuron `k`, rounded down to 16 bits; zeros if there is no such neuron.
     #[must_use]
     pub fn code_vector(&self, k: usize) -> [Weight; DIMS] {
         self.code
@@ -88,7 +88,8 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
             .map_or([Weight::ZERO; DIMS], |row| row.map(to_weight16))
     }
 
-    /// Replaces the code vector of neuron `k`, clamped to [−1, 1]; nothing happens beyond the last.
+    /// Replaces the code vector of neuron `k`, clamped to [−1, 1]; no effect if there is no such
+    /// neuron.
     pub fn set_code_vector(&mut self, k: usize, vector: &[Weight; DIMS]) {
         self.write(k, |row| {
             for (component, value) in row.iter_mut().zip(vector) {
@@ -97,33 +98,33 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         });
     }
 
-    /// The component at `index`, counted through the code vectors one after another.
+    /// The component at `index` in the concatenated code vectors.
     #[must_use]
     pub fn component(&self, index: usize) -> Option<Weight32> {
         self.code.as_flattened().get(index).copied()
     }
 
-    /// Replaces the component at `index`, clamped to [−1, 1]; nothing happens beyond the last.
+    /// Replaces the component at `index`, clamped to [−1, 1]; no effect beyond the last.
     pub fn set_component(&mut self, index: usize, value: Weight32) {
-        let (k, place) = (
+        let (k, position) = (
             index.checked_div(DIMS).unwrap_or(0),
             index.checked_rem(DIMS).unwrap_or(0),
         );
         self.write(k, |row| {
-            if let Some(component) = row.get_mut(place) {
+            if let Some(component) = row.get_mut(position) {
                 *component = unit_weight32(value);
             }
         });
     }
 
-    /// Makes all code vectors zero.
+    /// Sets all code vectors to zero.
     pub fn clear(&mut self) {
         for k in 0..NEURONS {
             self.write(k, |row| *row = [Weight32::ZERO; DIMS]);
         }
     }
 
-    /// The one way to change a code vector: what the kernels know of it follows.
+    /// Changes a code vector and updates the kernels' norm of it. All changes go through here.
     #[inline]
     fn write(&mut self, k: usize, change: impl FnOnce(&mut [Weight32; DIMS])) {
         if let Some(row) = self.code.get_mut(k) {
@@ -136,7 +137,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         }
     }
 
-    /// The kernels, where they serve a probe with this mask.
+    /// The kernels, if they support this size and mask.
     #[inline]
     fn accelerator(&self, mask: Mask) -> Option<&Accelerator> {
         if fit(NEURONS, DIMS) && mask.covers(DIMS) {
@@ -161,17 +162,18 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     pub fn bmu(&self, probe: &[Weight; DIMS], mask: Mask) -> usize {
         let by_ranks = |accelerator: &Accelerator| accelerator.candidates(&self.code, probe);
         match self.accelerator(mask).and_then(by_ranks) {
-            Some(Candidates::One(bmu)) => bmu,
-            Some(Candidates::Several(candidates)) => {
+            Some(BmuCandidates::One(bmu)) => bmu,
+            Some(BmuCandidates::Several(candidates)) => {
                 nearest_of(candidates, |k| self.distance(k, probe, mask))
             }
             None => least(self.codebook().distances(probe, mask)),
         }
     }
 
-    /// The BMU of two maps over one grid together: the neuron of least |x − w|² + λ |y − v|².
+    /// The joint BMU of two maps on the same grid: the neuron with the smallest
+    /// |x − w|² + λ |y − v|².
     ///
-    /// λ is `weight_q8` in 1/256; all components of `other` count.
+    /// λ is `weight_q8` in 1/256; all components of `other` are compared.
     #[inline(never)]
     #[must_use]
     pub fn joint_bmu<const OTHER: usize>(
@@ -183,7 +185,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         weight_q8: u16,
     ) -> usize {
         let distance = |k: usize| {
-            // Rounded before it is weighted, so that two components of any weight fit.
+            // Divides before it multiplies, so that two components fit 64 bits with any weight.
             let weighted = other.distance(k, other_probe, Mask::ALL) >> 8;
             let weighted = weighted.saturating_mul(u64::from(weight_q8));
             self.distance(k, probe, mask).saturating_add(weighted)
@@ -192,8 +194,8 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
             accelerator.joint_candidates(&self.code, probe, &other.code, other_probe, weight_q8)
         };
         match self.accelerator(mask).and_then(by_ranks) {
-            Some(Candidates::One(bmu)) => bmu,
-            Some(Candidates::Several(candidates)) => nearest_of(candidates, distance),
+            Some(BmuCandidates::One(bmu)) => bmu,
+            Some(BmuCandidates::Several(candidates)) => nearest_of(candidates, distance),
             None => least((0..NEURONS).map(distance)),
         }
     }
@@ -243,8 +245,8 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         bmu
     }
 
-    /// Trains the map on samples, epoch by epoch. `index(n)` returns a random number below `n`; it
-    /// is called where the samples are shuffled, which reorders them in place.
+    /// Trains the map on samples, epoch by epoch. Shuffling reorders the samples in place; it calls
+    /// `index(n)` for a random number below `n`.
     pub fn train(
         &mut self,
         samples: &mut [[Weight; DIMS]],
@@ -266,8 +268,8 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         }
     }
 
-    /// |w|² − 2 w·x of each code vector over the components in `mask`, by 16-bit values, in units
-    /// of 2⁻²⁶: the smaller, the nearer.
+    /// |w|² − 2 w·x of each code vector over the components in `mask`, from 16-bit values, in units
+    /// of 2⁻²⁶. Nearer code vectors have smaller scores.
     #[inline(never)]
     #[must_use]
     pub fn scores(&self, probe: &[Weight; DIMS], mask: Mask) -> [i64; NEURONS] {
@@ -286,12 +288,12 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         projections
     }
 
-    /// How well each code vector points the probe's way, over the components in `mask`: the dot
-    /// product over the sum of the code vector's length and the mean length of all, in units of
-    /// 2⁻¹³ · the probe's.
+    /// Directional similarity of each code vector to the probe over the components in `mask`.
     ///
-    /// The mean keeps very short code vectors, whose direction is mostly noise, from winning. Where
-    /// all are equally long, this is half the probe's length times the cosine.
+    /// It is the dot product divided by the code vector's length plus the mean length of all, in
+    /// units of 2⁻¹³. The mean prevents very short code vectors from winning: their direction is
+    /// mostly noise. For code vectors of equal length it is half the probe's length times the
+    /// cosine.
     #[inline(never)]
     #[must_use]
     pub fn alignments(&self, probe: &[Weight; DIMS], mask: Mask) -> [i64; NEURONS] {
@@ -300,7 +302,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         alignments
     }
 
-    /// Quality over samples, and how many of them each neuron wins (the *hit map*).
+    /// Quality on samples, and the number of samples that each neuron wins (the *hit map*).
     pub fn quality<'a>(
         &self,
         samples: impl IntoIterator<Item = &'a [Weight; DIMS]>,
@@ -322,8 +324,9 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         core::array::from_fn(|k| self.codebook().u_matrix_value(k))
     }
 
-    /// Distance of the probe to its BMU over the mean of those in `seen`: about 1 for a sample like
-    /// them, larger for one that is new; see [`Quality::novelty`].
+    /// Distance of the probe to its BMU divided by the mean distance in `seen`.
+    ///
+    /// About 1 for a sample like those, larger for an unfamiliar one; see [`Quality::novelty`].
     #[must_use]
     pub fn novelty(&self, probe: &[Weight; DIMS], seen: &Quality) -> f32 {
         let bmu = self.bmu(probe, Mask::ALL);

@@ -10,7 +10,7 @@ use std::vec::Vec;
 mod accelerated;
 #[cfg(feature = "alloc")]
 mod dynamic;
-mod twin;
+mod float_reference;
 
 const SQUARE: Grid = Grid::rectangle(4, 4);
 
@@ -33,8 +33,8 @@ fn map_of<const NEURONS: usize, const DIMS: usize>(
     Som::new(grid, core::array::from_fn(|k| rows[k]))
 }
 
-/// Index of the first of the least.
-fn first_least(values: &[u64]) -> usize {
+/// Index of the smallest value, the first on ties.
+fn first_minimum(values: &[u64]) -> usize {
     let least = values.iter().min().unwrap();
     values.iter().position(|value| value == least).unwrap()
 }
@@ -48,7 +48,7 @@ proptest! {
         prop_assert_eq!(map.code_vector(map.bmu(&probe, Mask::ALL)), probe);
     }
 
-    /// Few different values make many ties.
+    /// Uses few different values, so that ties are frequent.
     #[test]
     fn the_bmu_is_nearest_and_first(
         code in components(-3..=3, 48),
@@ -62,39 +62,39 @@ proptest! {
         let mask = Mask::from_bits(mask);
         let rows = map.code().iter();
         let mut distances: Vec<_> = rows.map(|row| squared_distance(row, &probe, mask)).collect();
-        prop_assert_eq!(map.bmu(&probe, mask), first_least(&distances));
+        prop_assert_eq!(map.bmu(&probe, mask), first_minimum(&distances));
         let other: Som<16, 1> = map_of(SQUARE, &other);
         for (k, distance) in distances.iter_mut().enumerate() {
             let squared = other.distance(k, &[Weight::ZERO], Mask::ALL);
             *distance += (squared >> 8) * u64::from(weight);
         }
         let bmu = map.joint_bmu(&probe, mask, &other, &[Weight::ZERO], weight);
-        prop_assert_eq!(bmu, first_least(&distances));
+        prop_assert_eq!(bmu, first_minimum(&distances));
     }
 
     #[test]
-    fn components_that_the_mask_leaves_out_do_not_count(
+    fn masked_out_components_have_no_effect(
         code in components(-8192..=8192, 80),
         probe in components(-8192..=8192, 5),
-        off in 0_usize..5,
-        junk in -8192_i16..=8192,
+        masked_out in 0_usize..5,
+        value in -8192_i16..=8192,
     ) {
         let map: Som<16, 5> = map_of(SQUARE, &code);
-        let mask = Mask::ALL.without(off);
+        let mask = Mask::ALL.without(masked_out);
         let probe: [Weight; 5] = probe.try_into().unwrap();
         let mut other = probe;
-        other[off] = Weight::from_bits(junk);
+        other[masked_out] = Weight::from_bits(value);
         prop_assert_eq!(map.scores(&probe, mask), map.scores(&other, mask));
         prop_assert_eq!(map.projections(&probe, mask), map.projections(&other, mask));
         prop_assert_eq!(map.alignments(&probe, mask), map.alignments(&other, mask));
         let mut learned = map.clone();
         learned.train_step(&probe, mask, &Update::new(Neighborhood::Gaussian, 0.5, 1.0));
         for (before, after) in map.code().iter().zip(learned.code()) {
-            prop_assert_eq!(before[off], after[off]);
+            prop_assert_eq!(before[masked_out], after[masked_out]);
         }
     }
 
-    /// Each neuron moves by `approach` with the gain of its place, all others stay.
+    /// Each neuron moves by `approach` with the gain of its grid distance; all others stay.
     #[test]
     fn an_update_moves_the_bmu_and_its_neighbors(
         code in components(-8192..=8192, 64),
@@ -126,9 +126,9 @@ proptest! {
         }
     }
 
-    /// In floats, whatever the size of the map.
+    /// Compares with a computation in floats, for another size of map.
     #[test]
-    fn probing_by_direction_follows_its_formula(
+    fn projections_and_alignments_follow_their_formulas(
         code in components(-8192..=8192, 7 * 40), probe in components(-8192..=8192, 40),
     ) {
         let map: Som<7, 40> = map_of(Grid::chain(7), &code);
@@ -155,7 +155,7 @@ proptest! {
         let map: Som<16, 4> = map_of(SQUARE, &code);
         let (_, hits) = map.quality(samples.as_chunks().0);
         prop_assert_eq!(hits.iter().sum::<u32>(), 50);
-        // Each of the 24 edges counts once on either side.
+        // Each of the 24 edges counts twice, once per neuron.
         let edge = |a: usize, b: usize| {
             let squared = squared_distance(&map.code()[a], &map.code()[b], Mask::ALL);
             libm::sqrt(squared as f64) / 4096.0
@@ -168,7 +168,7 @@ proptest! {
     }
 }
 
-/// Sizes of no special kind: 64 neurons, 300 components, one neuron.
+/// 64 neurons with 300 components, and one neuron with one.
 #[test]
 fn maps_have_any_size() {
     let value = |seed: usize| Weight::from_bits((seed * 7919 % 8192) as i16);
@@ -189,7 +189,7 @@ fn maps_have_any_size() {
     assert_eq!((one.u_matrix(), one.code_vector(1)), ([0], [Weight::ZERO]));
 }
 
-/// The longest code vectors at the ends of their range: no distance overflows.
+/// Code vectors with the most components at the ends of their range.
 #[test]
 fn the_largest_distance_fits() {
     let rows = [[Weight::ONE; MAX_DIMS], [-Weight::ONE; MAX_DIMS]];
@@ -198,12 +198,12 @@ fn the_largest_distance_fits() {
     assert_eq!(map.bmu(&rows[1], Mask::ALL), 1);
 }
 
-/// Four neurons in a row at 0, 1/4, 1 and 1/2: the last two are out of order.
+/// Four neurons in a chain at 0, 1/4, 1 and 1/2: the last two are in the wrong order.
 #[test]
-fn errors_of_a_map_worked_by_hand() {
+fn errors_match_hand_computed_values() {
     let rows = [[0], [2048], [8192], [4096]].map(|row| row.map(Weight::from_bits));
     let map = Som::<4, 1>::new(Grid::chain(4), rows);
-    // BMU and distance; the runners-up are 2, 4 (two steps off), 2 (two steps off), 4 and 2.
+    // The second-best neurons are 1, 3 (not a neighbor), 1 (not a neighbor), 3 and 1.
     let samples = [819, 2867, 4000, 8192, 819].map(|bits| [Weight::from_bits(bits)]);
     let (quality, hits) = map.quality(&samples);
     assert_eq!(hits, [2, 1, 1, 1]);
@@ -216,9 +216,9 @@ fn errors_of_a_map_worked_by_hand() {
     assert_eq!(Quality::default().topographic_error(), 0.0);
 }
 
-/// A sample as far as the mean is 1, the farthest one seen is `largest_novelty`.
+/// The mean distance has novelty 1, the largest one has `largest_novelty`.
 #[test]
-fn novelty_is_measured_by_what_was_seen() {
+fn novelty_is_relative_to_the_samples() {
     let map = Som::<2, 1>::new(Grid::chain(2), [[Weight::ZERO], [Weight::ONE]]);
     let sample = |bits: i16| [Weight::from_bits(bits)];
     let (seen, _) = map.quality(&[sample(512), sample(8192 - 1536)]);
@@ -226,7 +226,7 @@ fn novelty_is_measured_by_what_was_seen() {
     assert!((seen.largest_novelty() - 1.5).abs() < 1e-6);
     assert!((map.novelty(&sample(4096), &seen) - 4.0).abs() < 1e-6);
     assert_eq!(map.novelty(&sample(0), &seen), 0.0);
-    // Nothing was seen, or only what the map holds exactly.
+    // Without samples the quantization error is 0.
     assert_eq!(map.novelty(&sample(9), &Quality::default()), f32::INFINITY);
     assert_eq!(map.novelty(&sample(0), &Quality::default()), 0.0);
     assert_eq!(Quality::default().largest_novelty(), 0.0);
@@ -238,7 +238,7 @@ fn maps_are_equal_by_their_grids_and_code_vectors() {
         |rows: [[i16; 2]; 2]| Som::new(Grid::chain(2), rows.map(|row| row.map(Weight::from_bits)));
     let one = map([[300, 400], [0, 5]]);
     assert_eq!(one, map([[300, 400], [0, 5]]));
-    assert_ne!(one, map([[400, 300], [5, 0]]), "of the same lengths");
+    assert_ne!(one, map([[400, 300], [5, 0]]), "another order");
     let mut other = one.clone();
     other.set_grid(Grid::rectangle(1, 2));
     assert_ne!(one, other);
@@ -249,7 +249,7 @@ fn maps_are_equal_by_their_grids_and_code_vectors() {
 }
 
 #[test]
-fn components_are_clamped_however_they_come() {
+fn components_are_always_clamped() {
     let ends = [Weight::from_bits(i16::MAX), Weight::from_bits(i16::MIN)];
     let mut map = Som::<2, 2>::new(Grid::chain(2), [ends, [Weight::ZERO; 2]]);
     assert_eq!(map.code_vector(0), [Weight::ONE, -Weight::ONE]);
@@ -264,9 +264,9 @@ fn components_are_clamped_however_they_come() {
     );
 }
 
-/// Presentation by presentation: the same as one `train`, in the order given and shuffled.
+/// `train` equals single steps in the given order; shuffled, it presents the same samples.
 #[test]
-fn a_training_is_its_steps() {
+fn train_equals_single_steps() {
     let given: [[Weight; 2]; 9] =
         core::array::from_fn(|i| [Weight::from_bits(900 * i as i16), Weight::ZERO]);
     let config = |order| TrainConfig {

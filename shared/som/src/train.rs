@@ -1,9 +1,9 @@
-//! A whole training: the order of the samples, and how rates fall.
+//! Training: order of the samples, and updates of learning rate and radius.
 
 use crate::neighborhood::{Neighborhood, Update};
 use crate::schedule::Schedule;
 
-/// How often learning rate and radius fall during a training, at most.
+/// Largest number of updates of learning rate and radius in a training.
 const MAX_RENEWALS: u32 = 16_384;
 
 /// The order in which samples are presented.
@@ -17,12 +17,12 @@ pub enum SampleOrder {
     Shuffled,
 }
 
-/// How a map is trained.
+/// Training parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TrainConfig {
-    /// Shape of the neighborhood.
+    /// Neighborhood function.
     pub neighborhood: Neighborhood,
     /// Learning rate, 0 to 1.
     pub rate: Schedule,
@@ -30,7 +30,7 @@ pub struct TrainConfig {
     pub radius: Schedule,
     /// Presentations of every sample.
     pub epochs: u32,
-    /// Their order.
+    /// Order of the samples.
     pub order: SampleOrder,
 }
 
@@ -39,7 +39,7 @@ impl TrainConfig {
         self.order == SampleOrder::Shuffled
     }
 
-    /// The update of each presentation of `count` samples.
+    /// The update of each presentation, for `count` samples per epoch.
     pub(crate) fn updates(&self, count: usize) -> Updates<'_> {
         let steps = (count as u64).saturating_mul(u64::from(self.epochs));
         let steps = u32::try_from(steps).unwrap_or(u32::MAX);
@@ -54,13 +54,13 @@ impl TrainConfig {
     }
 }
 
-/// Never ends; see [`TrainConfig::updates`].
+/// An endless iterator; see [`TrainConfig::updates`].
 pub(crate) struct Updates<'a> {
     config: &'a TrainConfig,
     /// Samples of an epoch.
     count: u64,
     steps: u32,
-    /// Presentations between two renewals, within an epoch.
+    /// Presentations between two updates of the rates, within an epoch.
     slice: u64,
     step: u64,
     update: Update,
@@ -83,7 +83,7 @@ impl Iterator for Updates<'_> {
     }
 }
 
-/// Exchanges `count` things until every order is equally likely.
+/// Shuffles `count` items by Fisher and Yates: `swap` exchanges two of them.
 pub(crate) fn shuffle(
     count: usize,
     mut index: impl FnMut(usize) -> usize,

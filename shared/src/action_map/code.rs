@@ -1,4 +1,4 @@
-//! How an action stands in the action map.
+//! Encoding of actions in the action map.
 
 use crate::fixed::{ONE_BITS, Weight, unit_weight};
 use crate::units::{Bearing, Displacement, div_round};
@@ -7,30 +7,30 @@ use serde::{Deserialize, Serialize};
 /// An action as two components in [−1, 1].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ActionCode {
-    /// The displacement in the ring's frame over the longest step. Vectors may be averaged.
+    /// Displacement in the ring's frame, divided by the longest step. Codes can be averaged.
     Displacement,
-    /// (turn over half a turn, length over the longest step): the literal reading of a move of a
-    /// wheeled robot. Averages of turns are wrong across the half turn.
+    /// (turn / half a turn, length / longest step): the literal reading of a wheeled robot's move.
+    /// Averages of turns near ±180° are wrong.
     TurnStep,
 }
 
 impl ActionCode {
-    /// The code of a displacement; one longer than `step_mm` is clamped.
+    /// The code of a displacement; components above `step_mm` are clamped.
     #[must_use]
     #[inline(never)]
     pub fn encode(self, move_mm: Displacement, step_mm: u16) -> [Weight; 2] {
-        let part = |mm: i32| {
+        let scaled_length = |mm: i32| {
             let scaled = mm.clamp(-65_535, 65_535).wrapping_mul(i32::from(ONE_BITS));
             unit_weight(div_round(scaled, i32::from(step_mm.max(1))))
         };
         match self {
             Self::Displacement => [
-                part(i32::from(move_mm.dx_mm)),
-                part(i32::from(move_mm.dy_mm)),
+                scaled_length(i32::from(move_mm.dx_mm)),
+                scaled_length(i32::from(move_mm.dy_mm)),
             ],
             Self::TurnStep => [
                 unit_weight(i32::from(move_mm.bearing().as_signed_turns()) >> 2),
-                part(i32::from(move_mm.length_mm())),
+                scaled_length(i32::from(move_mm.length_mm())),
             ],
         }
     }

@@ -1,4 +1,4 @@
-use super::recall::stretched;
+use super::recall::scaled_to_unit;
 use super::*;
 use crate::som::Neighborhood;
 use crate::units::Displacement;
@@ -24,7 +24,7 @@ fn answer(wanted: [i16; 3], recall: Recall, mask: Mask, allowed: Mask) -> Answer
 }
 
 #[test]
-fn maps_differ_by_either_half_of_a_code_vector() {
+fn maps_are_compared_by_changes_and_actions() {
     let with = |change, action| {
         let (mut changes, mut actions) = (CHANGES, ACTIONS);
         (changes[3][2], actions[3][0]) = (change, action);
@@ -38,7 +38,7 @@ fn maps_differ_by_either_half_of_a_code_vector() {
 }
 
 #[test]
-fn the_three_recalls_differ_as_described() {
+fn distance_direction_and_projection_select_different_neurons() {
     let recall = |recall| answer([1_000, 0, 0], recall, Mask::ALL, Mask::ALL).neuron;
     assert_eq!(recall(Recall::Distance), 0);
     assert_eq!(recall(Recall::Direction), 2);
@@ -46,27 +46,27 @@ fn the_three_recalls_differ_as_described() {
 }
 
 #[test]
-fn inhibited_neurons_do_not_answer_unless_all_are() {
-    let without = |allowed| answer([1_000, 0, 0], Recall::Direction, Mask::ALL, allowed).neuron;
-    assert_eq!(without(Mask::ALL.without(2)), 3);
-    assert_eq!(without(Mask::NONE), 2);
+fn inhibited_neurons_are_excluded_unless_all_are_inhibited() {
+    let neuron = |allowed| answer([1_000, 0, 0], Recall::Direction, Mask::ALL, allowed).neuron;
+    assert_eq!(neuron(Mask::ALL.without(2)), 3);
+    assert_eq!(neuron(Mask::NONE), 2);
 }
 
 #[test]
-fn a_masked_component_does_not_count() {
-    let masked = |mask| answer([100, 8_192, 0], Recall::Direction, mask, Mask::ALL).neuron;
-    assert_eq!(masked(Mask::ALL), 1);
-    assert_ne!(masked(Mask::ALL.without(1)), 1);
+fn masked_out_components_have_no_effect() {
+    let neuron = |mask| answer([100, 8_192, 0], Recall::Direction, mask, Mask::ALL).neuron;
+    assert_eq!(neuron(Mask::ALL), 1);
+    assert_ne!(neuron(Mask::ALL.without(1)), 1);
 }
 
 #[test]
-fn together_the_better_matches_count_more() {
+fn better_matches_have_more_weight_in_the_mean_action() {
     let together = |wanted, allowed| {
         answer(wanted, Recall::Direction, Mask::ALL, allowed)
             .together
             .map(|w| w.to_num::<f64>())
     };
-    // N3 matches best, N1 and N2 in part.
+    // Neuron 3 matches best, neurons 1 and 2 partly.
     let [x, y] = together([1_000, 1_000, 0], Mask::ALL);
     assert!(y < -0.5 && x.abs() < 0.2, "{x} {y}");
     let [x, y] = together([1_000, 1_000, 0], Mask::ALL.without(3));
@@ -96,36 +96,36 @@ fn a_preferred_action_breaks_a_tie() {
         map.recall(&wanted, Mask::ALL, probe, Mask::ALL).neuron
     };
     assert_eq!((recall(None), recall(Some(1)), recall(Some(2))), (0, 1, 2));
-    // A preference is no match: the neuron without the wanted change does not answer.
+    // A preference does not select a neuron that lacks the wanted change.
     assert_ne!(recall(Some(3)), 3);
 }
 
 #[test]
-fn products_kept_while_learning_are_those_summed_anew() {
+fn products_updated_in_training_equal_recomputed_ones() {
     let mut map = map();
     map.keep_products();
-    let alone = Update::from_q16(Neighborhood::Direct, 20_000, 0);
-    for (winner, (change, action)) in CHANGES.iter().zip(ACTIONS).enumerate() {
+    let bmu_only = Update::from_q16(Neighborhood::Direct, 20_000, 0);
+    for (index, (change, action)) in CHANGES.iter().zip(ACTIONS).enumerate() {
         let effect = Effect {
             change: change.map(|bits| Weight::from_bits(bits / 3 - 500)),
             action: action.map(Weight::from_bits),
-            mask: Mask::ALL.without(winner),
+            mask: Mask::ALL.without(index),
         };
-        map.update((winner + 1) % 4, &effect, &alone);
-        let kept = *map.products().unwrap();
+        map.update((index + 1) % 4, &effect, &bmu_only);
+        let updated = *map.products().unwrap();
         map.forget_products();
         map.keep_products();
-        assert_eq!(map.products(), Some(&kept));
+        assert_eq!(map.products(), Some(&updated));
         assert_eq!(map.clone(), map);
     }
-    // Neighbors that learn too, and whatever is written, make them unknown.
-    let together = Update::from_q16(Neighborhood::Direct, 20_000, 20_000);
+    // Updates of neighbors and writes discard the products.
+    let with_neighbors = Update::from_q16(Neighborhood::Direct, 20_000, 20_000);
     let effect = Effect {
         change: CHANGES[0].map(Weight::from_bits),
         action: ACTIONS[0].map(Weight::from_bits),
         mask: Mask::ALL,
     };
-    map.update(0, &effect, &together);
+    map.update(0, &effect, &with_neighbors);
     assert_eq!(map.products(), None);
     map.keep_products();
     map.actions_mut().set_component(0, Weight32::from_bits(5));
@@ -133,7 +133,7 @@ fn products_kept_while_learning_are_those_summed_anew() {
 }
 
 #[test]
-fn the_action_decides_when_its_weight_is_high() {
+fn a_high_action_weight_lets_the_action_decide() {
     let effect = Effect {
         change: CHANGES[0].map(Weight::from_bits),
         action: ACTIONS[2].map(Weight::from_bits),
@@ -144,7 +144,7 @@ fn the_action_decides_when_its_weight_is_high() {
 }
 
 proptest! {
-    /// Neurons a few units apart, weights of any size.
+    /// Tests neurons that differ by a few units, with any action weight.
     #[test]
     fn the_bmu_is_nearest_by_change_and_action(
         middle in prop::collection::vec(-8_100_i16..=8_100, 18), shifts in prop::collection::vec(-40_i32..=40, 16 * 18),
@@ -160,10 +160,10 @@ proptest! {
                 }
             }
         }
-        let part = |i: usize| Weight::from_bits(probe[i]);
+        let component = |i: usize| Weight::from_bits(probe[i]);
         let effect = Effect {
-            change: core::array::from_fn(part),
-            action: [part(16), part(17)],
+            change: core::array::from_fn(component),
+            action: [component(16), component(17)],
             mask: Mask::ALL,
         };
         let distance = |k: usize| {
@@ -176,15 +176,15 @@ proptest! {
 }
 
 #[test]
-fn a_short_probe_is_stretched_to_its_direction() {
-    let stretch = |bits: [i16; 3]| stretched(&bits.map(Weight::from_bits)).map(Weight::to_bits);
-    assert_eq!(stretch([0; 3]), [0; 3]);
-    assert_eq!(stretch([2, -1, 0]), [8_192, -4_096, 0]);
-    assert_eq!(stretch([-4_096, 1_024, 8]), [-8_192, 2_048, 16]);
+fn short_probes_are_scaled_to_unit() {
+    let scaled = |bits: [i16; 3]| scaled_to_unit(&bits.map(Weight::from_bits)).map(Weight::to_bits);
+    assert_eq!(scaled([0; 3]), [0; 3]);
+    assert_eq!(scaled([2, -1, 0]), [8_192, -4_096, 0]);
+    assert_eq!(scaled([-4_096, 1_024, 8]), [-8_192, 2_048, 16]);
 }
 
 #[test]
-fn codes_are_shares_of_the_longest_step_or_turn_and_share() {
+fn codes_are_relative_to_the_longest_step() {
     let bits = |code: ActionCode, dx_mm, dy_mm| {
         code.encode(Displacement { dx_mm, dy_mm }, 200)
             .map(Weight::to_bits)
@@ -194,38 +194,38 @@ fn codes_are_shares_of_the_longest_step_or_turn_and_share() {
         bits(ActionCode::Displacement, 201, -32_000),
         [8_192, -8_192]
     );
-    // Half a turn is one.
+    // Half a turn is 1.0.
     assert_eq!(bits(ActionCode::TurnStep, 100, 0), [0, 4_096]);
     let [turn, length] = bits(ActionCode::TurnStep, 0, 200);
     assert!((turn - 4_096).abs() < 8 && length == 8_192, "{turn}");
-    let back = |code: ActionCode, bits: [i16; 2]| code.decode(bits.map(Weight::from_bits), 200);
+    let decode = |code: ActionCode, bits: [i16; 2]| code.decode(bits.map(Weight::from_bits), 200);
     assert_eq!(
-        back(ActionCode::Displacement, [4_096, -21]),
+        decode(ActionCode::Displacement, [4_096, -21]),
         Displacement {
             dx_mm: 100,
             dy_mm: -1
         }
     );
-    // To the nearest: 21 shares of 200 mm are 0.51 mm, 20 are 0.49 mm.
-    for (share, mm) in [(21, 1), (20, 0), (-20, 0), (-21, -1)] {
-        assert_eq!(back(ActionCode::Displacement, [share, 0]).dx_mm, mm);
+    // Rounds to nearest: 21/8192 of 200 mm is 0.51 mm, 20/8192 is 0.49 mm.
+    for (bits, mm) in [(21, 1), (20, 0), (-20, 0), (-21, -1)] {
+        assert_eq!(decode(ActionCode::Displacement, [bits, 0]).dx_mm, mm);
     }
-    // A length below nothing is none.
+    // A negative length decodes to zero.
     assert_eq!(
-        back(ActionCode::TurnStep, [4_096, -100]),
+        decode(ActionCode::TurnStep, [4_096, -100]),
         Displacement::ZERO
     );
 }
 
 #[test]
-fn actions_come_back_from_their_code() {
+fn decode_reverts_encode() {
     for code in [ActionCode::Displacement, ActionCode::TurnStep] {
         for (dx_mm, dy_mm) in [(250, 0), (-100, 90), (0, -250), (-170, -170), (3, 1)] {
             let original = Displacement { dx_mm, dy_mm };
-            let back = code.decode(code.encode(original, 250), 250);
+            let decoded = code.decode(code.encode(original, 250), 250);
             assert!(
-                back.minus(original).length_mm() <= 2,
-                "{code:?} {original:?} {back:?}"
+                decoded.minus(original).length_mm() <= 2,
+                "{code:?} {original:?} {decoded:?}"
             );
         }
     }

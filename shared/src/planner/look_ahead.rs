@@ -324,10 +324,10 @@ mod tests {
     use crate::units::Bearing;
     use proptest::prelude::*;
 
-    type Bounds = [(i16, i16, u8); 16];
+    type RawBounds = [(i16, i16, u8); 16];
 
     fn goal(
-        bounds: Bounds,
+        bounds: RawBounds,
         frame: GoalFrame,
         progress_q16: u16,
         heading_hold_q16: u16,
@@ -349,18 +349,18 @@ mod tests {
         core::array::from_fn(|_| bounds.next().unwrap())
     }
 
-    /// Few different values make many ties.
-    fn bounds() -> impl Strategy<Value = Bounds> {
+    /// Uses few different values, so that ties are frequent.
+    fn bounds() -> impl Strategy<Value = RawBounds> {
         let value = || prop_oneof![Just(0_i16), Just(4_096), Just(8_192), 0_i16..=8_192];
         prop::array::uniform16((value(), value(), 0_u8..3))
     }
 
     fn course() -> impl Strategy<Value = Displacement> {
-        let part = || prop_oneof![Just(0_i16), -250_i16..=250];
-        (part(), part()).prop_map(|(dx_mm, dy_mm)| Displacement { dx_mm, dy_mm })
+        let component = || prop_oneof![Just(0_i16), -250_i16..=250];
+        (component(), component()).prop_map(|(dx_mm, dy_mm)| Displacement { dx_mm, dy_mm })
     }
 
-    /// Actions all round, and what each changes.
+    /// Actions in 16 directions; the changes rotate with the direction.
     fn actions(changes: [i16; 16]) -> ActionMap<16, 16> {
         let action = |k: usize| {
             let (x, y) = Bearing::of_place(k, 16).direction().times(7_000);
@@ -375,13 +375,13 @@ mod tests {
         )
     }
 
-    struct Bench {
+    struct LookAheadFixture {
         config: Config<16>,
         situations: Som<16, 16>,
         actions: ActionMap<16, 16>,
     }
 
-    impl Bench {
+    impl LookAheadFixture {
         fn new(changes: [i16; 16]) -> Self {
             Self {
                 config: Config::recommended(),
@@ -409,18 +409,18 @@ mod tests {
         #[test]
         fn the_travel_sensor_fits_best_and_is_the_lowest_on_ties(
             bounds in bounds(), values in prop::array::uniform16(prop_oneof![Just(0_i16), Just(4_096), 0_i16..=8_192]),
-            steady in prop_oneof![Just(0_u16), 0_u16..9_000], course in course(), begin in 0_usize..20,
+            heading_hold in prop_oneof![Just(0_u16), 0_u16..9_000], course in course(), begin in 0_usize..20,
             mask in prop_oneof![Just(Mask::ALL), any::<u32>().prop_map(Mask::from_bits)],
         ) {
-            let goal = goal(bounds, GoalFrame::Travel, 0, steady);
-            let mut bench = Bench::new([0; 16]);
-            bench.config.enabled = mask;
+            let goal = goal(bounds, GoalFrame::Travel, 0, heading_hold);
+            let mut fixture = LookAheadFixture::new([0; 16]);
+            fixture.config.enabled = mask;
             let score = |place: usize| {
-                let along = cosine_q14(bench.config.robot.directions[place], unit(course));
-                cost_of(goal.asked(place, mask), values.into_iter().map(i32::from), goal.cap_bits(), i64::MAX) - weighted(steady, along)
+                let along = cosine_q14(fixture.config.robot.directions[place], unit(course));
+                cost_of(goal.asked(place, mask), values.into_iter().map(i32::from), goal.cap_bits(), i64::MAX) - weighted(heading_hold, along)
             };
             let best = (0..16).min_by_key(|&place| (score(place), place));
-            let planner = bench.planner(course, Mask::ALL);
+            let planner = fixture.planner(course, Mask::ALL);
             let situation = values.map(Weight::from_bits);
             prop_assert_eq!(Some(planner.travel_sensor_from(begin, &situation, &goal)), best);
         }
@@ -430,23 +430,23 @@ mod tests {
         #[test]
         fn the_best_heading_is_the_lowest_on_ties(
             bounds in bounds(), values in prop::array::uniform16(0_i16..=8_192), changes in prop::array::uniform16(-900_i16..=900),
-            going in prop_oneof![Just(0_u16), 0_u16..9_000], course in course(), place in 0_usize..16,
+            progress in prop_oneof![Just(0_u16), 0_u16..9_000], course in course(), place in 0_usize..16,
             allowed in prop_oneof![Just(Mask::ALL), any::<u32>().prop_map(Mask::from_bits)],
         ) {
-            let goal = goal(bounds, GoalFrame::Ring, going, 0);
-            let bench = Bench::new(changes);
-            let planner = bench.planner(course, allowed);
+            let goal = goal(bounds, GoalFrame::Ring, progress, 0);
+            let fixture = LookAheadFixture::new(changes);
+            let planner = fixture.planner(course, allowed);
             let situation = values.map(Weight::from_bits);
             let bounds = all_asked(&goal);
             let view = GoalView { goal: &goal, bounds: &bounds, place, preferred: unit(course) };
             let mut forward = ForwardModel::from(&situation);
-            forward.fit(&bench.actions, bench.config.action_code, 250);
+            forward.fit(&fixture.actions, fixture.config.action_code, 250);
             let mut cost_surface = CostSurface::flat(goal.cap_bits());
             cost_surface.shape(&forward, &bounds);
-            let directions = bench.config.robot.directions;
+            let directions = fixture.config.robot.directions;
             let score = |heading: usize, share_q2: i32| {
                 let share = part(directions[heading], share_q2);
-                let whole = i64::from(going) * i64::from(cosine_q14(directions[heading], view.preferred));
+                let whole = i64::from(progress) * i64::from(cosine_q14(directions[heading], view.preferred));
                 let preferred = ((whole >> 4) * i64::from(share_q2)) >> 2;
                 cost_surface.at(share, i64::MAX) - preferred
             };
@@ -456,7 +456,7 @@ mod tests {
                 prop_assert_eq!(best.share_q2, 0);
                 return Ok(());
             };
-            let shares = if going == 0 { 0..5 } else { 4..5 };
+            let shares = if progress == 0 { 0..5 } else { 4..5 };
             let share = shares.min_by_key(|&share| (score(heading, share), share)).unwrap();
             prop_assert_eq!((best.direction, best.share_q2), (directions[heading], share));
             prop_assert_eq!((best.score, best.neuron), (score(heading, share), None));
@@ -464,19 +464,19 @@ mod tests {
     }
 
     #[test]
-    fn the_neuron_that_answers_for_a_direction_goes_farthest_there() {
-        let bench = Bench::new([0; 16]);
-        let planner = bench.planner(Displacement::ZERO, Mask::ALL);
-        for (k, direction) in bench.config.robot.directions.into_iter().enumerate() {
+    fn the_neuron_of_a_direction_moves_farthest_along_it() {
+        let fixture = LookAheadFixture::new([0; 16]);
+        let planner = fixture.planner(Displacement::ZERO, Mask::ALL);
+        for (k, direction) in fixture.config.robot.directions.into_iter().enumerate() {
             assert_eq!(planner.neuron_of(direction), k);
             assert!(planner.is_allowed(direction));
-            let without = bench.planner(Displacement::ZERO, Mask::ALL.without(k));
+            let without = fixture.planner(Displacement::ZERO, Mask::ALL.without(k));
             assert!(!without.is_allowed(direction));
         }
         assert_eq!(
             planner.neuron_of(Direction::default()),
             0,
-            "of all as far the first"
+            "the first on ties"
         );
         assert_eq!(unit(Displacement::ZERO), Direction::default());
         let (x, y) = (3_000, -4_000);
@@ -493,14 +493,14 @@ mod tests {
 
     #[test]
     fn an_action_from_a_quarter_of_a_step_on_has_a_direction() {
-        let mut bench = Bench::new([0; 16]);
+        let mut fixture = LookAheadFixture::new([0; 16]);
         for (k, mm) in [(0, 62), (1, 61)] {
             let along = Displacement {
                 dx_mm: 0,
                 dy_mm: mm,
             };
-            let code = bench.config.action_code.encode(along, 250);
-            bench.actions.actions_mut().set_code_vector(k, &code);
+            let code = fixture.config.action_code.encode(along, 250);
+            fixture.actions.actions_mut().set_code_vector(k, &code);
         }
         let goal = goal([(0, 0, 1); 16], GoalFrame::Ring, 0, 0);
         let bounds = all_asked(&goal);
@@ -511,7 +511,7 @@ mod tests {
             place: 0,
             preferred,
         };
-        let planner = bench.planner(Displacement::ZERO, Mask::ALL);
+        let planner = fixture.planner(Displacement::ZERO, Mask::ALL);
         let own = |k| planner.own_candidate(&[Weight::ZERO; 16], &view, k);
         let left = Direction {
             x_q14: 0,

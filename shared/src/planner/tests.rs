@@ -1,4 +1,4 @@
-//! The four steps, worked by hand.
+//! The four steps of the planner, compared with hand-computed values.
 
 use super::*;
 use crate::action_map::Recall;
@@ -8,11 +8,10 @@ use crate::robot::RobotSpec;
 use crate::som::Grid;
 use std::string::ToString as _;
 
-/// A robot with four transducers (ahead, left, behind, right) whose values are easily worked out by
-/// hand.
-fn four() -> Config<4> {
+/// Configuration of a robot with four transducers: ahead, left, behind, right.
+fn four_sensor_config() -> Config<4> {
     let robot = RobotSpec {
-        directions: core::array::from_fn(|place| Bearing::of_place(place, 4).direction()),
+        directions: core::array::from_fn(|sensor| Bearing::of_place(sensor, 4).direction()),
         symmetric: true,
         face_radius_mm: 231,
         body_radius_mm: 269,
@@ -41,16 +40,16 @@ fn weights<const COUNT: usize>(values: [f64; COUNT]) -> [Weight; COUNT] {
     values.map(Weight::from_num)
 }
 
-/// Something ahead; less of it; something on the right; nothing: on a square of 2 × 2, where the
-/// first and the last are no neighbors.
+/// Code vectors: an obstacle ahead, a more distant one ahead, one on the right, none. On the grid
+/// of 2 × 2 neurons, 0 and 3 are not neighbors.
 const SITUATIONS: [[f64; 4]; 4] = [
     [1.0, 0.0, 0.0, 0.0],
     [0.5, 0.0, 0.0, 0.0],
     [0.0, 0.0, 0.0, 1.0],
     [0.0; 4],
 ];
-/// Less ahead by going back, more by going on; less on the right by going left, more by going
-/// right.
+/// Moving back decreases the value ahead, moving ahead increases it. Moving left decreases the
+/// value on the right, moving right increases it.
 const CHANGES: [[f64; 4]; 4] = [
     [-0.5, 0.0, 0.25, 0.0],
     [0.5, 0.0, -0.25, 0.0],
@@ -59,7 +58,7 @@ const CHANGES: [[f64; 4]; 4] = [
 ];
 const ACTIONS: [[f64; 2]; 4] = [[-0.8, 0.0], [0.8, 0.0], [0.0, 0.8], [0.0, -0.8]];
 
-struct Bench {
+struct PlannerFixture {
     config: Config<4>,
     situations: Som<4, 4>,
     actions: ActionMap<4, 4>,
@@ -68,11 +67,11 @@ struct Bench {
     allowed: Mask,
 }
 
-impl Bench {
+impl PlannerFixture {
     fn new() -> Self {
         let square = Grid::rectangle(2, 2);
         Self {
-            config: four(),
+            config: four_sensor_config(),
             situations: Som::new(square, SITUATIONS.map(weights)),
             actions: ActionMap::new(square, CHANGES.map(weights), ACTIONS.map(weights)),
             course: Displacement::ZERO,
@@ -95,7 +94,7 @@ impl Bench {
         planner.plan(&weights(situation), goal)
     }
 
-    fn free(&self, situation: [f64; 4]) -> Plan<4> {
+    fn plan_free(&self, situation: [f64; 4]) -> Plan<4> {
         self.plan(situation, &Goal::free_of_obstacles())
     }
 }
@@ -104,62 +103,63 @@ fn mm(dx_mm: i16, dy_mm: i16) -> Displacement {
     Displacement { dx_mm, dy_mm }
 }
 
-fn near(found: Displacement, dx_mm: i16, dy_mm: i16) -> bool {
+fn is_near(found: Displacement, dx_mm: i16, dy_mm: i16) -> bool {
     found.minus(mm(dx_mm, dy_mm)).length_mm() <= 3
 }
 
-/// The paper's four steps: goal neuron, present neuron, the neighbor nearer to the goal, recall by
-/// the difference.
+/// The paper's four steps: goal neuron, current neuron, subgoal, recall by the difference.
 #[test]
-fn the_neighbor_nearer_to_the_goal_is_aimed_at() {
-    let mut bench = Bench::new();
-    for intermediate in [Subgoal::FewestHops, Subgoal::NearestCode] {
-        bench.config.planning.subgoal = intermediate;
-        let plan = bench.free([0.9, 0.0, 0.0, 0.0]);
+fn the_subgoal_is_the_neighbor_nearest_to_the_goal() {
+    let mut fixture = PlannerFixture::new();
+    for subgoal in [Subgoal::FewestHops, Subgoal::NearestCode] {
+        fixture.config.planning.subgoal = subgoal;
+        let plan = fixture.plan_free([0.9, 0.0, 0.0, 0.0]);
         assert_eq!((plan.goal_neuron, plan.current_neuron), (3, 0));
-        // Both neighbors are one step from the goal's neuron; less ahead is nearer to nothing than
-        // something on the right.
+        // Both neighbors are one hop from the goal neuron; code vector 1 is nearer to the goal.
         assert_eq!((plan.subgoal_neuron, plan.why), (1, Why::Neighbor));
-        // From what was measured to the neighbor's code vector.
+        // The wanted change leads from the measured situation to the neighbor's code vector.
         assert_eq!(
             plan.wanted,
             difference(&weights(SITUATIONS[1]), &weights([0.9, 0.0, 0.0, 0.0]))
         );
         assert!(!plan.at_goal && plan.recalled && plan.action_neuron == 0);
-        assert!(near(plan.action, -200, 0), "{:?}", plan.action);
+        assert!(is_near(plan.action, -200, 0), "{:?}", plan.action);
     }
-    bench.config.planning.from_measured = false;
-    let plan = bench.free([0.9, 0.0, 0.0, 0.0]);
+    fixture.config.planning.from_measured = false;
+    let plan = fixture.plan_free([0.9, 0.0, 0.0, 0.0]);
     assert_eq!(plan.wanted, weights([-0.5, 0.0, 0.0, 0.0]));
 }
 
 #[test]
-fn without_a_nearer_neighbor_the_goal_itself_is_aimed_at() {
-    let mut bench = Bench::new();
-    bench.config.planning.subgoal = Subgoal::NearestCode;
-    // Both neighbors of the first are farther from nothing than it is.
-    bench
+fn without_a_nearer_neighbor_the_target_is_the_goal() {
+    let mut fixture = PlannerFixture::new();
+    fixture.config.planning.subgoal = Subgoal::NearestCode;
+    // Both neighbors of neuron 0 are farther from the goal than neuron 0.
+    fixture
         .situations
         .set_code_vector(1, &weights([1.0, 1.0, 0.0, 0.0]));
-    bench
+    fixture
         .situations
         .set_code_vector(2, &weights([1.0, 0.0, 1.0, 0.0]));
-    let plan = bench.free([0.9, 0.0, 0.0, 0.0]);
-    assert_eq!((plan.subgoal_neuron, plan.why), (3, Why::NoNearerNeighbor));
+    let plan = fixture.plan_free([0.9, 0.0, 0.0, 0.0]);
+    assert_eq!(
+        (plan.subgoal_neuron, plan.why),
+        (3, Why::NoNearerNeighbor)
+    );
     assert_eq!(
         plan.wanted,
         difference(&[Weight::ZERO; 4], &weights([0.9, 0.0, 0.0, 0.0]))
     );
-    // By grid steps it has one all the same.
-    bench.config.planning.subgoal = Subgoal::FewestHops;
-    assert_eq!(bench.free([0.9, 0.0, 0.0, 0.0]).why, Why::Neighbor);
-    // A goal the present neuron meets exactly leaves nothing nearer.
-    bench.config.planning.subgoal = Subgoal::NearestCode;
-    bench.situations.set_code_vector(0, &weights([0.0; 4]));
-    bench
+    // Counted in hops, there is still a nearer neighbor.
+    fixture.config.planning.subgoal = Subgoal::FewestHops;
+    assert_eq!(fixture.plan_free([0.9, 0.0, 0.0, 0.0]).why, Why::Neighbor);
+    // The current neuron is the goal neuron.
+    fixture.config.planning.subgoal = Subgoal::NearestCode;
+    fixture.situations.set_code_vector(0, &weights([0.0; 4]));
+    fixture
         .situations
         .set_code_vector(3, &weights([0.0, 0.0, 0.0, 0.0]));
-    let plan = bench.free([0.0, 0.0, 0.0, 0.1]);
+    let plan = fixture.plan_free([0.0, 0.0, 0.0, 0.1]);
     assert_eq!(
         (plan.goal_neuron, plan.current_neuron, plan.why),
         (0, 0, Why::GoalNeuron)
@@ -167,27 +167,31 @@ fn without_a_nearer_neighbor_the_goal_itself_is_aimed_at() {
 }
 
 #[test]
-fn the_goal_can_be_aimed_at_without_a_neighbor() {
-    let mut bench = Bench::new();
-    bench.config.planning.subgoal = Subgoal::Goal;
-    let plan = bench.free([0.0, 0.0, 0.0, 0.75]);
+fn the_goal_can_be_the_direct_target() {
+    let mut fixture = PlannerFixture::new();
+    fixture.config.planning.subgoal = Subgoal::Goal;
+    let plan = fixture.plan_free([0.0, 0.0, 0.0, 0.75]);
     assert_eq!((plan.subgoal_neuron, plan.why), (3, Why::GoalDirectly));
     assert_eq!(plan.wanted, weights([0.0, 0.0, 0.0, -0.75]));
-    assert!(near(plan.action, 0, 200), "{:?}", plan.action);
-    // Whole steps only, and a share of the course on top of it.
-    bench.config.planning.full_steps = true;
-    assert!(near(bench.free([0.0, 0.0, 0.0, 0.75]).action, 0, 250));
-    bench.config.planning.full_steps = false;
-    bench.config.planning.inertia_q8 = 256;
-    bench.course = mm(100, 0);
-    let turned = bench.free([0.0, 0.0, 0.0, 0.75]).action;
-    assert!(near(turned, 177, 177), "{turned:?}");
+    assert!(is_near(plan.action, 0, 200), "{:?}", plan.action);
+    // With full steps only; with a share of the course added.
+    fixture.config.planning.full_steps = true;
+    assert!(is_near(
+        fixture.plan_free([0.0, 0.0, 0.0, 0.75]).action,
+        0,
+        250
+    ));
+    fixture.config.planning.full_steps = false;
+    fixture.config.planning.inertia_q8 = 256;
+    fixture.course = mm(100, 0);
+    let action = fixture.plan_free([0.0, 0.0, 0.0, 0.75]).action;
+    assert!(is_near(action, 177, 177), "{action:?}");
 }
 
 #[test]
-fn what_is_met_already_is_not_wanted_if_so_configured() {
-    let mut bench = Bench::new();
-    bench.config.planning.subgoal = Subgoal::FewestHops;
+fn with_unmet_only_met_components_cause_no_change() {
+    let mut fixture = PlannerFixture::new();
+    fixture.config.planning.subgoal = Subgoal::FewestHops;
     let goal = Goal::of([
         Component::equal(Weight::ZERO),
         Component::at_least(Weight::from_num(0.25)),
@@ -195,110 +199,110 @@ fn what_is_met_already_is_not_wanted_if_so_configured() {
         Component::equal(Weight::ZERO),
     ]);
     let situation = [1.0, 0.5, 0.0, 0.0];
-    let plain = bench.plan(situation, &goal);
-    assert_eq!(plain.wanted, weights([-0.5, -0.5, 0.0, 0.0]));
-    bench.config.planning.unmet_only = true;
-    let unmet = bench.plan(situation, &goal);
+    let all = fixture.plan(situation, &goal);
+    assert_eq!(all.wanted, weights([-0.5, -0.5, 0.0, 0.0]));
+    fixture.config.planning.unmet_only = true;
+    let unmet = fixture.plan(situation, &goal);
     assert_eq!(unmet.wanted, weights([-0.5, 0.0, 0.0, 0.0]));
 }
 
 #[test]
 fn at_the_goal_the_course_is_kept_turned_or_straight_ahead() {
-    let mut bench = Bench::new();
-    bench.course = mm(0, -100);
-    let ahead = bench.free([0.0; 4]);
+    let mut fixture = PlannerFixture::new();
+    fixture.course = mm(0, -100);
+    let ahead = fixture.plan_free([0.0; 4]);
     assert!(ahead.at_goal && !ahead.recalled && ahead.why == Why::StraightAhead);
     assert_eq!(ahead.action, mm(250, 0));
-    bench.config.planning.at_goal = AtGoal::KeepCourse;
-    let kept = bench.free([0.0; 4]);
-    assert!(near(kept.action, 0, -250) && kept.why == Why::KeepCourse);
-    // A course that was cut short turns by 112.5° to the left.
-    bench.cut = true;
-    let turned = bench.free([0.0; 4]);
+    fixture.config.planning.at_goal = AtGoal::KeepCourse;
+    let kept = fixture.plan_free([0.0; 4]);
+    assert!(is_near(kept.action, 0, -250) && kept.why == Why::KeepCourse);
+    // After a cut move the course turns by 112.5° to the left.
+    fixture.cut = true;
+    let turned = fixture.plan_free([0.0; 4]);
     assert_eq!(turned.why, Why::TurnCourse);
-    assert!(near(turned.action, 231, 96), "{:?}", turned.action);
-    // No course to keep.
-    bench.course = Displacement::ZERO;
-    assert_eq!(bench.free([0.0; 4]).why, Why::StraightAhead);
+    assert!(is_near(turned.action, 231, 96), "{:?}", turned.action);
+    // There is no course to keep.
+    fixture.course = Displacement::ZERO;
+    assert_eq!(fixture.plan_free([0.0; 4]).why, Why::StraightAhead);
     // Within the tolerance, and beyond it.
-    bench.config.planning.tolerance = Weight::from_num(0.125);
-    assert!(bench.free([0.0, 0.1, 0.0, 0.0]).at_goal);
-    assert!(!bench.free([0.0, 0.2, 0.0, 0.0]).at_goal);
+    fixture.config.planning.tolerance = Weight::from_num(0.125);
+    assert!(fixture.plan_free([0.0, 0.1, 0.0, 0.0]).at_goal);
+    assert!(!fixture.plan_free([0.0, 0.2, 0.0, 0.0]).at_goal);
 }
 
 #[test]
-fn together_neurons_that_point_the_wanted_way_share_the_action() {
-    let mut bench = Bench::new();
-    bench.config.planning.subgoal = Subgoal::Goal;
-    bench.config.planning.together = true;
-    // Ahead and on the right as much: half back, half left.
-    let plan = bench.free([0.5, 0.0, 0.0, 0.5]);
-    assert!(near(plan.action, -100, 100), "{:?}", plan.action);
-    // After a move that was cut the best one alone.
-    bench.cut = true;
-    let alone = bench.free([0.5, 0.0, 0.0, 0.5]);
-    assert!(near(alone.action, -200, 0), "{:?}", alone.action);
+fn with_together_the_action_is_the_mean_of_matching_neurons() {
+    let mut fixture = PlannerFixture::new();
+    fixture.config.planning.subgoal = Subgoal::Goal;
+    fixture.config.planning.together = true;
+    // Equal obstacles ahead and on the right: the mean of back and left.
+    let plan = fixture.plan_free([0.5, 0.0, 0.0, 0.5]);
+    assert!(is_near(plan.action, -100, 100), "{:?}", plan.action);
+    // After a cut move only the best neuron counts.
+    fixture.cut = true;
+    let alone = fixture.plan_free([0.5, 0.0, 0.0, 0.5]);
+    assert!(is_near(alone.action, -200, 0), "{:?}", alone.action);
 }
 
-/// Two bring the same change by opposite actions; their mean of 12 mm is no direction.
+/// Two neurons have the same change and opposite actions; their mean of 12 mm has no direction.
 #[test]
-fn of_answers_that_cancel_out_the_best_one_counts() {
-    let mut bench = Bench::new();
-    bench.config.planning.subgoal = Subgoal::Goal;
-    bench.config.planning.together = true;
+fn if_matches_cancel_out_the_best_one_is_used() {
+    let mut fixture = PlannerFixture::new();
+    fixture.config.planning.subgoal = Subgoal::Goal;
+    fixture.config.planning.together = true;
     let situation = [0.5, 0.0, 0.0, 0.0];
-    let action = |bench: &mut Bench, second: f64| {
-        bench.actions = ActionMap::new(
+    let action = |fixture: &mut PlannerFixture, second: f64| {
+        fixture.actions = ActionMap::new(
             Grid::rectangle(2, 2),
             [CHANGES[0], CHANGES[0], CHANGES[2], CHANGES[3]].map(weights),
             [[-0.8, 0.0], [second, 0.0], ACTIONS[2], ACTIONS[3]].map(weights),
         );
-        bench.free(situation).action
+        fixture.plan_free(situation).action
     };
-    let alone = action(&mut bench, 0.7);
-    assert!(near(alone, -200, 0), "{alone:?}");
-    // 31 mm, an eighth of a step, are one.
-    let together = action(&mut bench, 0.54);
-    assert!(near(together, -32, 0), "{together:?}");
+    let alone = action(&mut fixture, 0.7);
+    assert!(is_near(alone, -200, 0), "{alone:?}");
+    // A mean of 31 mm, an eighth of a step, has a direction.
+    let together = action(&mut fixture, 0.54);
+    assert!(is_near(together, -32, 0), "{together:?}");
 }
 
 #[test]
-fn one_step_ahead_the_neuron_whose_own_change_leads_nearest_is_taken() {
-    let mut bench = Bench::new();
-    bench.config.planning.planner = PlannerKind::BestNeuron;
-    let free_at = |place: usize| {
+fn best_neuron_selects_the_neuron_whose_change_leads_nearest_to_the_goal() {
+    let mut fixture = PlannerFixture::new();
+    fixture.config.planning.planner = PlannerKind::BestNeuron;
+    let free_at = |sensor: usize| {
         let mut components = [Component::ANY; 4];
-        components[place] = Component::at_most(Weight::ZERO);
+        components[sensor] = Component::at_most(Weight::ZERO);
         Goal::of(components)
     };
-    let plan = bench.plan([0.6, 0.0, 0.0, 0.0], &free_at(0));
+    let plan = fixture.plan([0.6, 0.0, 0.0, 0.0], &free_at(0));
     assert_eq!((plan.why, plan.action_neuron), (Why::LookAhead, 0));
-    // Its change of -0.5 in 200 mm is -0.625 in a whole step; 0.6 less that is nothing.
-    assert!(near(plan.action, -250, 0), "{:?}", plan.action);
+    // A change of -0.5 per 200 mm is -0.625 per full step: 0.6 is reduced to 0.
+    assert!(is_near(plan.action, -250, 0), "{:?}", plan.action);
     assert_eq!(plan.wanted[0], Weight::from_num(-0.6));
-    let right = bench.plan([0.0, 0.0, 0.0, 0.6], &free_at(3));
-    assert!(near(right.action, 0, 250), "{:?}", right.action);
-    // Inhibited neurons do not answer, and those whose action is too short have no direction.
-    bench.allowed = Mask::NONE.with(0).with(1).with(3);
-    bench.actions = ActionMap::new(
+    let right = fixture.plan([0.0, 0.0, 0.0, 0.6], &free_at(3));
+    assert!(is_near(right.action, 0, 250), "{:?}", right.action);
+    // Inhibited neurons and neurons with too short an action are excluded.
+    fixture.allowed = Mask::NONE.with(0).with(1).with(3);
+    fixture.actions = ActionMap::new(
         Grid::rectangle(2, 2),
         CHANGES.map(weights),
         [[-0.1, 0.0], ACTIONS[1], ACTIONS[2], ACTIONS[3]].map(weights),
     );
-    let other = bench.free([0.6, 0.0, 0.0, 0.6]);
+    let other = fixture.plan_free([0.6, 0.0, 0.0, 0.6]);
     assert!(
-        !near(other.action, 0, 250) && !near(other.action, -250, 0),
+        !is_near(other.action, 0, 250) && !is_near(other.action, -250, 0),
         "{:?}",
         other.action
     );
 }
 
-/// A wall wanted on the right of where the robot goes: the way is the place of the ring from which
-/// it is there.
+/// The goal wants a wall on the right of the direction of travel. The travel sensor is the one for
+/// which the wall is on the right.
 #[test]
-fn the_way_of_a_goal_in_the_frame_of_travel_fits_the_situation() {
-    let mut bench = Bench::new();
-    bench.config.planning.planner = PlannerKind::BestHeading;
+fn the_travel_sensor_fits_the_situation() {
+    let mut fixture = PlannerFixture::new();
+    fixture.config.planning.planner = PlannerKind::BestHeading;
     let wanted = Weight::from_num(0.75);
     let goal = Goal {
         frame: GoalFrame::Travel,
@@ -310,42 +314,48 @@ fn the_way_of_a_goal_in_the_frame_of_travel_fits_the_situation() {
             Component::equal(wanted),
         ])
     };
-    let way = |bench: &Bench, situation: [f64; 4], goal: &Goal<4>| {
+    let travel_sensor = |fixture: &PlannerFixture, situation: [f64; 4], goal: &Goal<4>| {
         let planner = Planner {
-            config: &bench.config,
-            situations: &bench.situations,
-            actions: &bench.actions,
-            enabled: bench.config.enabled,
+            config: &fixture.config,
+            situations: &fixture.situations,
+            actions: &fixture.actions,
+            enabled: fixture.config.enabled,
             allowed: Mask::ALL,
             current: None,
-            course: bench.course,
+            course: fixture.course,
             cut: false,
         };
         planner.travel_sensor(&weights(situation), goal)
     };
-    // The wall at place p is on the right of whoever goes towards place p + 1.
+    // The wall at sensor p is on the right when the robot drives towards sensor p + 1.
     for wall in 0..4 {
         let mut situation = [0.0; 4];
         situation[wall] = 0.75;
-        assert_eq!(way(&bench, situation, &goal), (wall + 1) % 4);
-        // The same if a transducer is not believed that hears nothing anyway.
-        bench.config.enabled = Mask::ALL.without((wall + 3) % 4);
-        assert_eq!(way(&bench, situation, &goal), (wall + 1) % 4);
-        bench.config.enabled = Mask::ALL;
+        assert_eq!(travel_sensor(&fixture, situation, &goal), (wall + 1) % 4);
+        // The same without a transducer that has no echo.
+        fixture.config.enabled = Mask::ALL.without((wall + 3) % 4);
+        assert_eq!(travel_sensor(&fixture, situation, &goal), (wall + 1) % 4);
+        fixture.config.enabled = Mask::ALL;
     }
-    // Two walls: the one the course goes along.
-    let steady = Goal {
+    // With two walls, heading hold selects the one along the course.
+    let heading_hold_goal = Goal {
         heading_hold_q16: 6_000,
         ..goal
     };
-    bench.course = mm(0, 100);
-    assert_eq!(way(&bench, [0.75, 0.0, 0.75, 0.0], &steady), 1);
-    bench.course = mm(0, -100);
-    assert_eq!(way(&bench, [0.75, 0.0, 0.75, 0.0], &steady), 3);
-    // A goal in the ring's frame has no way, nor has a ring that is not symmetric.
+    fixture.course = mm(0, 100);
     assert_eq!(
-        way(
-            &bench,
+        travel_sensor(&fixture, [0.75, 0.0, 0.75, 0.0], &heading_hold_goal),
+        1
+    );
+    fixture.course = mm(0, -100);
+    assert_eq!(
+        travel_sensor(&fixture, [0.75, 0.0, 0.75, 0.0], &heading_hold_goal),
+        3
+    );
+    // The travel sensor is 0 for goals in the ring's frame and for asymmetric rings.
+    assert_eq!(
+        travel_sensor(
+            &fixture,
             [0.75, 0.0, 0.0, 0.0],
             &Goal {
                 frame: GoalFrame::Ring,
@@ -354,13 +364,13 @@ fn the_way_of_a_goal_in_the_frame_of_travel_fits_the_situation() {
         ),
         0
     );
-    bench.config.robot.symmetric = false;
-    assert_eq!(way(&bench, [0.75, 0.0, 0.0, 0.0], &goal), 0);
+    fixture.config.robot.symmetric = false;
+    assert_eq!(travel_sensor(&fixture, [0.75, 0.0, 0.0, 0.0], &goal), 0);
 }
 
 #[test]
-fn a_goal_in_the_frame_of_travel_is_recalled_along_its_way() {
-    let bench = Bench::new();
+fn recall_rotates_a_goal_in_the_travel_frame() {
+    let fixture = PlannerFixture::new();
     let goal = Goal {
         frame: GoalFrame::Travel,
         ..Goal::of([
@@ -371,23 +381,23 @@ fn a_goal_in_the_frame_of_travel_is_recalled_along_its_way() {
         ])
     };
     let planner = Planner {
-        config: &bench.config,
-        situations: &bench.situations,
-        actions: &bench.actions,
+        config: &fixture.config,
+        situations: &fixture.situations,
+        actions: &fixture.actions,
         enabled: Mask::ALL,
         allowed: Mask::ALL,
         current: None,
         course: Displacement::ZERO,
         cut: false,
     };
-    // Towards the left, what is ahead is on the right.
+    // For a robot that drives left, the obstacle ahead is on the right.
     let situation = weights([1.0, 0.0, 0.0, 0.0]);
     assert_eq!(planner.travel_sensor(&situation, &goal), 1);
     let plan = planner.plan(&situation, &goal);
     assert_eq!(plan.goal_neuron, 1);
     assert_eq!(plan.wanted[0], Weight::from_num(-0.5));
-    // Without a neuron in between: half of it on the right, and nothing ahead.
-    let mut config = bench.config.clone();
+    // Without a subgoal the target is the goal: 0.5 on the right, 0 ahead.
+    let mut config = fixture.config.clone();
     config.planning.subgoal = Subgoal::Goal;
     let planner = Planner {
         config: &config,
@@ -398,8 +408,8 @@ fn a_goal_in_the_frame_of_travel_is_recalled_along_its_way() {
 }
 
 #[test]
-fn each_why_has_words_of_its_own() {
-    let whys = [
+fn each_reason_has_its_own_text() {
+    let reasons = [
         Why::Neighbor,
         Why::GoalNeuron,
         Why::NoNearerNeighbor,
@@ -411,81 +421,84 @@ fn each_why_has_words_of_its_own() {
         Why::Stay,
         Why::Wander,
     ];
-    let words: std::collections::BTreeSet<_> = whys.iter().map(Why::to_string).collect();
-    assert_eq!(words.len(), whys.len());
+    let texts: std::collections::BTreeSet<_> = reasons.iter().map(Why::to_string).collect();
+    assert_eq!(texts.len(), reasons.len());
     assert_eq!(Why::LookAhead.to_string(), "look-ahead");
 }
 
-/// One step ahead by the plane fitted to all four actions: 0.625 less ahead per step back.
+/// The plane fitted to all four actions predicts −0.625 ahead per step back.
 #[test]
-fn one_step_ahead_the_heading_that_leads_nearest_is_taken_as_far_as_it_helps() {
-    let mut bench = Bench::new();
-    bench.config.planning.planner = PlannerKind::BestHeading;
+fn best_heading_selects_heading_and_length_of_the_step() {
+    let mut fixture = PlannerFixture::new();
+    fixture.config.planning.planner = PlannerKind::BestHeading;
     let mut components = [Component::ANY; 4];
     components[0] = Component::at_most(Weight::ZERO);
     let goal = Goal::of(components);
-    let plan = bench.plan([0.9, 0.0, 0.0, 0.0], &goal);
+    let plan = fixture.plan([0.9, 0.0, 0.0, 0.0], &goal);
     assert_eq!(
         (plan.why, plan.action_neuron, plan.action),
         (Why::LookAhead, 0, mm(-250, 0))
     );
     assert!(plan.recalled && !plan.at_goal);
-    let left = plan.wanted[0].to_num::<f64>();
-    assert!((left + 0.625).abs() < 0.001, "{left}");
-    // Half of a step is enough.
-    let half = bench.plan([0.3, 0.0, 0.0, 0.0], &goal);
+    let wanted = plan.wanted[0].to_num::<f64>();
+    assert!((wanted + 0.625).abs() < 0.001, "{wanted}");
+    // Half a step suffices.
+    let half = fixture.plan([0.3, 0.0, 0.0, 0.0], &goal);
     assert_eq!((half.why, half.action), (Why::LookAhead, mm(-125, 0)));
-    // At a place the robot stays.
-    let there = bench.plan([0.0; 4], &goal);
-    assert_eq!((there.why, there.action), (Why::Stay, Displacement::ZERO));
-    assert!(there.at_goal);
-    // The situation to come is that of the neuron nearest to it: nothing.
+    // At the goal the robot stays.
+    let at_goal = fixture.plan([0.0; 4], &goal);
+    assert_eq!(
+        (at_goal.why, at_goal.action),
+        (Why::Stay, Displacement::ZERO)
+    );
+    assert!(at_goal.at_goal);
+    // The expected situation after the step is nearest to neuron 3.
     assert_eq!((plan.current_neuron, half.subgoal_neuron), (0, 3));
 }
 
-/// A look-ahead holds its goal by the mean of all deviations or by each of them.
+/// A goal holds if the mean deviation or every deviation is within its tolerance.
 #[test]
-fn a_place_is_reached_on_average_or_at_every_sensor() {
-    let mut bench = Bench::new();
-    bench.config.planning.planner = PlannerKind::BestHeading;
-    let at_goal = |bench: &Bench, tolerance: f64, first: f64| {
+fn a_goal_holds_by_mean_or_by_every_deviation() {
+    let mut fixture = PlannerFixture::new();
+    fixture.config.planning.planner = PlannerKind::BestHeading;
+    let at_goal = |fixture: &PlannerFixture, tolerance: f64, first: f64| {
         let goal = Goal {
             tolerance: Weight::from_num(tolerance),
             ..Goal::of([Component::equal(Weight::ZERO); 4])
         };
-        bench.plan([first, 0.0, 0.0, 0.0], &goal).at_goal
+        fixture.plan([first, 0.0, 0.0, 0.0], &goal).at_goal
     };
-    bench.config.planning.tolerance = Weight::from_num(0.125);
-    assert!(at_goal(&bench, 0.0, 0.125) && !at_goal(&bench, 0.0, 0.25));
-    bench.config.planning.tolerance = Weight::ZERO;
-    assert!(at_goal(&bench, 0.125, 0.25) && !at_goal(&bench, 0.125, 0.375));
+    fixture.config.planning.tolerance = Weight::from_num(0.125);
+    assert!(at_goal(&fixture, 0.0, 0.125) && !at_goal(&fixture, 0.0, 0.25));
+    fixture.config.planning.tolerance = Weight::ZERO;
+    assert!(at_goal(&fixture, 0.125, 0.25) && !at_goal(&fixture, 0.125, 0.375));
 }
 
 #[test]
-fn who_goes_keeps_to_the_course_where_the_goal_does_not_care() {
-    let mut bench = Bench::new();
-    bench.config.planning.planner = PlannerKind::BestHeading;
-    let anything = Goal {
+fn progress_follows_the_course_if_the_goal_allows_any_direction() {
+    let mut fixture = PlannerFixture::new();
+    fixture.config.planning.planner = PlannerKind::BestHeading;
+    let any_situation = Goal {
         progress_q16: 100,
         ..Goal::of([Component::ANY; 4])
     };
     for (course, neuron) in [(mm(0, -100), 3), (mm(0, 70), 2), (mm(-9, 0), 0)] {
-        bench.course = course;
-        let plan = bench.plan([0.2; 4], &anything);
+        fixture.course = course;
+        let plan = fixture.plan([0.2; 4], &any_situation);
         assert_eq!(
             (plan.action, plan.action_neuron),
             (course.with_length(250), neuron)
         );
     }
-    // The neuron that answers for this heading is inhibited: of both others as good the first.
-    bench.course = mm(0, -100);
-    bench.allowed = Mask::ALL.without(3);
-    assert_eq!(bench.plan([0.2; 4], &anything).action, mm(250, 0));
-    bench.allowed = Mask::NONE;
-    let none = bench.plan([0.2; 4], &anything);
+    // The neuron of this heading is inhibited: two others tie, the first is selected.
+    fixture.course = mm(0, -100);
+    fixture.allowed = Mask::ALL.without(3);
+    assert_eq!(fixture.plan([0.2; 4], &any_situation).action, mm(250, 0));
+    fixture.allowed = Mask::NONE;
+    let none = fixture.plan([0.2; 4], &any_situation);
     assert_eq!((none.why, none.action), (Why::Stay, Displacement::ZERO));
-    // In the frame of travel going on is going the chosen way, not the course.
-    bench.allowed = Mask::ALL;
+    // In the travel frame, progress is along the travel sensor, not the course.
+    fixture.allowed = Mask::ALL;
     let travel = Goal {
         frame: GoalFrame::Travel,
         progress_q16: 100,
@@ -496,18 +509,18 @@ fn who_goes_keeps_to_the_course_where_the_goal_does_not_care() {
             Component::at_least(Weight::from_num(0.5)),
         ])
     };
-    // Something at place 1 is on the right of whoever goes towards place 2.
+    // An obstacle at sensor 1 is on the right when the robot drives towards sensor 2.
     assert_eq!(
-        bench.plan([0.0, 1.0, 0.0, 0.0], &travel).action,
+        fixture.plan([0.0, 1.0, 0.0, 0.0], &travel).action,
         mm(-250, 0)
     );
 }
 
 #[test]
-fn the_strength_of_going_is_weighed_against_the_deviation() {
-    let mut bench = Bench::new();
-    bench.config.planning.planner = PlannerKind::BestHeading;
-    // Ahead 0.2 is asked and heard, and every step ahead makes it 0.825: a deviation of 0.39.
+fn progress_is_weighed_against_the_deviation() {
+    let mut fixture = PlannerFixture::new();
+    fixture.config.planning.planner = PlannerKind::BestHeading;
+    // The goal allows 0.2 ahead, as measured; a step ahead makes it 0.825: a deviation of 0.39.
     let goal = |progress_q16| Goal {
         progress_q16,
         ..Goal::of([
@@ -517,56 +530,56 @@ fn the_strength_of_going_is_weighed_against_the_deviation() {
             Component::ANY,
         ])
     };
-    bench.course = mm(100, 0);
-    // Ahead less aside: going · 1 against 0.39 · 65 536 = 25 600.
+    fixture.course = mm(100, 0);
+    // Ahead wins if progress exceeds 0.39 · 65 536 = 25 600.
     assert_eq!(
-        bench.plan([0.2, 0.0, 0.0, 0.0], &goal(26_000)).action,
+        fixture.plan([0.2, 0.0, 0.0, 0.0], &goal(26_000)).action,
         mm(250, 0)
     );
     assert_eq!(
-        bench.plan([0.2, 0.0, 0.0, 0.0], &goal(25_200)).action,
+        fixture.plan([0.2, 0.0, 0.0, 0.0], &goal(25_200)).action,
         mm(0, 250)
     );
 }
 
 #[test]
-fn a_neuron_that_keeps_the_course_is_preferred_where_so_configured() {
-    let mut bench = Bench::new();
-    bench.config.planning.subgoal = Subgoal::Goal;
+fn with_straight_a_neuron_along_the_course_is_preferred() {
+    let mut fixture = PlannerFixture::new();
+    fixture.config.planning.subgoal = Subgoal::Goal;
     let situation = [0.5, 0.0, 0.0, 0.5];
-    assert!(near(bench.free(situation).action, -200, 0));
-    bench.course = mm(0, 100);
-    bench.config.planning.straight_q8 = 64;
-    assert!(near(bench.free(situation).action, 0, 200));
+    assert!(is_near(fixture.plan_free(situation).action, -200, 0));
+    fixture.course = mm(0, 100);
+    fixture.config.planning.straight_q8 = 64;
+    assert!(is_near(fixture.plan_free(situation).action, 0, 200));
 }
 
 #[test]
-fn a_share_of_the_course_is_added_and_the_sum_is_at_most_a_step() {
-    let mut bench = Bench::new();
-    bench.config.planning.subgoal = Subgoal::Goal;
-    bench.config.planning.inertia_q8 = 64;
-    bench.course = mm(100, 0);
-    // A step to the left and a quarter of one ahead, brought back to a step.
-    let action = bench.free([0.0, 0.0, 0.0, 0.75]).action;
-    assert!(near(action, 60, 242), "{action:?}");
+fn inertia_adds_a_share_of_the_course_up_to_one_step() {
+    let mut fixture = PlannerFixture::new();
+    fixture.config.planning.subgoal = Subgoal::Goal;
+    fixture.config.planning.inertia_q8 = 64;
+    fixture.course = mm(100, 0);
+    // A step to the left plus a quarter step ahead, shortened to one step.
+    let action = fixture.plan_free([0.0, 0.0, 0.0, 0.75]).action;
+    assert!(is_near(action, 60, 242), "{action:?}");
 }
 
 #[test]
-fn changes_are_differences_within_one() {
+fn differences_are_clamped_to_one() {
     let (a, b) = (weights([1.0, -1.0, 0.25]), weights([-1.0, 1.0, 0.5]));
     assert_eq!(difference(&a, &b), weights([1.0, -1.0, -0.25]));
-    let opposite = Weight::from_bits(i16::MAX);
-    assert_eq!(difference(&[opposite], &[-opposite]), [Weight::ONE]);
+    let largest = Weight::from_bits(i16::MAX);
+    assert_eq!(difference(&[largest], &[-largest]), [Weight::ONE]);
 }
 
 #[test]
-fn a_goal_that_the_present_neuron_meets_has_no_nearer_neighbor() {
-    let mut bench = Bench::new();
-    bench.config.planning.subgoal = Subgoal::NearestCode;
-    // Both the last neuron and the second are nothing; the lower stands for the goal, the robot is
-    // at the other one.
-    bench.situations.set_code_vector(1, &weights([0.0; 4]));
-    bench
+fn if_the_current_neuron_meets_the_goal_no_neighbor_is_nearer() {
+    let mut fixture = PlannerFixture::new();
+    fixture.config.planning.subgoal = Subgoal::NearestCode;
+    // Several code vectors meet the goal: the lowest is the goal neuron, the current neuron is the
+    // last.
+    fixture.situations.set_code_vector(1, &weights([0.0; 4]));
+    fixture
         .situations
         .set_code_vector(3, &weights([0.0, 0.0, 0.0, 0.01]));
     let goal = Goal::of([
@@ -575,7 +588,7 @@ fn a_goal_that_the_present_neuron_meets_has_no_nearer_neighbor() {
         Component::ANY,
         Component::at_most(Weight::from_num(0.02)),
     ]);
-    let plan = bench.plan([0.0, 0.0, 0.0, 0.03], &goal);
+    let plan = fixture.plan([0.0, 0.0, 0.0, 0.03], &goal);
     assert_eq!(
         (plan.current_neuron, plan.goal_neuron, plan.why),
         (3, 0, Why::NoNearerNeighbor)

@@ -1,8 +1,8 @@
 //! Kernels of `tinysom` for a Cortex-M4: BMU search and update of 16 neurons with 16 components.
 //!
-//! Results are those of the portable code, bit for bit. One instruction loads four components, and
-//! the probe stays in eight registers, two values in each (`SMLAWB` and `SMLAWT` take either half
-//! as it is). The crate is empty on every other processor.
+//! Results are bit-identical to those of the portable code. One instruction loads four components.
+//! The probe stays in eight registers, two values in each: `SMLAWB` and `SMLAWT` multiply by the
+//! lower and the upper half. The crate is empty on all other processors.
 #![no_std]
 #![cfg(all(target_arch = "arm", target_os = "none"))]
 #![allow(unsafe_code)]
@@ -14,16 +14,18 @@ use tinysom::{Weight, Weight32};
 /// For [`amp::node::Node::use_kernels`].
 pub static KERNELS: Kernels = Kernels { candidates, update };
 
-/// Two passes. The first one goes through the code vectors from the last to the first and leaves
-/// w·x of each on the stack, so that they lie in order in the end, in two rounds of eight: no
-/// instruction of a round changes the flags, and they tell the first from the second. The second
-/// pass makes ranks of them. Most are above the least so far by more than the margin, which costs a
-/// comparison and a branch. Only where one is closer to it are all gone through again.
+/// Finds the candidates for the BMU in two passes.
 ///
-/// Of each product the lowest 16 of 48 bits are left off: units of 2⁻²⁶, as of squared lengths.
-// SAFETY: keeps to the calling convention: r4 to r11 and the stack pointer come back as they were,
-// and only the arguments are read, whose sizes their types know. Nothing needs an alignment that
-// they do not have: `ldr` may read from anywhere.
+/// The first pass pushes w·x of each code vector, from the last to the first, so the stack holds
+/// them in order. It has two rounds of eight. No instruction of a round changes the flags; they
+/// distinguish the first round from the second. The second pass computes the ranks. Most exceed the
+/// lowest rank so far by more than the margin, which costs a comparison and a branch. A third pass
+/// over all ranks runs only if one is within the margin.
+///
+/// The lowest 16 of the 48 bits of each product are dropped: units of 2⁻²⁶, as in squared lengths.
+// SAFETY: follows the calling convention: restores r4 to r11 and the stack pointer. Reads only the
+// arguments, whose sizes are in their types, and writes only its own stack. `ldr` needs no
+// alignment, and `ldm` of the probe runs only if it is aligned to 4 bytes.
 #[unsafe(naked)]
 extern "C" fn candidates(
     code: &[[Weight32; 16]; 16],
@@ -33,13 +35,13 @@ extern "C" fn candidates(
 ) -> u32 {
     naked_asm!(
         "push  {{r1, r3, r4-r11, lr}}",
-        // Behind the last code vector.
+        // r0: end of the code vectors.
         "add   r0, r0, #1024",
-        // The probe, two components to a register; at an odd place of its own only one by one.
+        // r4 to r11: the probe, two components each. `ldm` needs an address aligned to 4 bytes.
         "lsls  r1, r2, #30",
         "bne   7f",
         "ldm   r2, {{r4, r5, r6, r7, r8, r9, r10, r11}}",
-        // Equal: the first round.
+        // Flags "equal": the first round.
         "2:",
         ".rept 8",
         "ldmdb r0!, {{r1, r2, r3, r12}}",
@@ -67,8 +69,8 @@ extern "C" fn candidates(
         "bne   3f",
         "movs  r1, #1",
         "b     2b",
-        // r12: products, r3: bases, r1: margin, lr: twice that, r2: the least rank and the margin,
-        // r0: its neuron.
+        // r12: products, r3: bases, r1: margin, lr: 2 · margin, r2: lowest rank + margin, r0:
+        // neuron of the lowest rank.
         "3:",
         "mov   r12, sp",
         "ldrd  r3, r1, [sp, #64]",
@@ -114,8 +116,8 @@ extern "C" fn candidates(
         "among r7, 15",
         "add   sp, #64",
         "pop   {{r1, r3, r4-r11, pc}}",
-        // Some are so close that all have to be seen: the least rank, then who is above it by the
-        // margin at most. The last bit that leaves r0 ends the loops.
+        // Some ranks are within the margin: finds the lowest rank, then all within the margin of
+        // it. A bit shifted out of r0 ends each loop.
         "5:",
         "mov   r12, sp",
         "ldr   r3, [sp, #64]",
@@ -167,11 +169,12 @@ extern "C" fn candidates(
     )
 }
 
-/// The neurons of a group from the last to the first, four components at a time: w + (x − w) · 4
-/// gain, whose upper half is the step, and the upper half of its square. What both halves of a
-/// register hold of the probe is subtracted from twice: from the register, shifted, and from a copy
-/// without its lower half, which is on the stack beside it.
-// SAFETY: as above; rows and lengths are written for neurons below 16 only.
+/// Updates the neurons of each group, from the last to the first, four components at a time.
+///
+/// The step is the upper half of (x − w) · 4 gain; the norm sums the upper halves of the squares.
+/// The stack holds each register of the probe twice: as it is, for the lower value (shifted up),
+/// and with its lower half cleared, for the upper value.
+// SAFETY: as `candidates`. Writes code vectors and norms of neurons below 16 only.
 #[unsafe(naked)]
 extern "C" fn update(
     code: &mut [[Weight32; 16]; 16],
@@ -180,7 +183,7 @@ extern "C" fn update(
     groups: &[Group; 2],
 ) {
     naked_asm!(
-        // Behind the last code vector and the last length.
+        // r0: end of the code vectors, r1: end of the norms.
         "add   r0, r0, #1024",
         "adds  r1, #64",
         "push  {{r0, r1, r3, r4-r11, lr}}",
@@ -203,7 +206,7 @@ extern "C" fn update(
         "push  {{r4, r5, r6, r7}}",
         "add   r2, sp, #64",
         "ldrd  r3, r12, [r3]",
-        // r3: 4 gain, r12: the group's neurons, the last in the uppermost bit.
+        // r3: 4 gain, r12: neurons of the group, neuron 15 in the highest bit.
         "lsls  r12, r12, #16",
         "beq   5f",
         "4:",
@@ -241,7 +244,7 @@ extern "C" fn update(
         "str   lr, [r1, #-4]!",
         "add   r2, r2, #64",
         "bne   4b",
-        // The second group, and none after it: r12 is 0.
+        // Takes the second group, then marks that no group is left: r12 is 0.
         "5:",
         "ldr   r4, [sp, #72]",
         "cbz   r4, 7f",
@@ -253,7 +256,7 @@ extern "C" fn update(
         "7:",
         "add   sp, #76",
         "pop   {{r4-r11, pc}}",
-        // At an odd place words are loaded one by one only.
+        // Loads the probe word by word from an unaligned address.
         "6:",
         "ldr   r4, [r2]",
         "ldr   r5, [r2, #4]",

@@ -1,8 +1,8 @@
-//! The nearest answer to a fan of rays, found by few of them.
+//! The nearest echo for a fan of rays, with few ray casts.
 //!
-//! Of all rays that meet one face, those nearest to its normal are the shortest. Each face, the
-//! nearest first, is tried by single rays from its normal outwards. Faces beyond the best answer
-//! are skipped. All rays together give the same bits.
+//! Of all rays that hit a face, those nearest to its normal are the shortest. The search tests each
+//! face, the nearest first, with single rays from its normal outwards. It skips faces beyond the
+//! best echo. The result is bit-identical to that of casting all rays.
 
 use super::seen::{SLACK_M, SeenCircle, SeenFace, Things};
 use crate::geometry::{Point, clamp};
@@ -13,7 +13,7 @@ pub(crate) struct Fan {
     /// Unit vectors, relative to the axis.
     directions: Vec<Point>,
     rays_per_rad: f64,
-    /// Tangent of an angle a little beyond the outermost rays.
+    /// Tangent of an angle slightly beyond the outermost rays.
     most_tan: f64,
     half_angle: f64,
 }
@@ -38,16 +38,16 @@ impl Fan {
         &self.directions
     }
 
-    /// Whether [`NearestAnswer`] can compute the places of its rays well enough: up to a quarter of
-    /// their distance.
+    /// Whether [`NearestAnswer`] can compute the indices of its rays with an error of at most a
+    /// quarter of a ray.
     #[must_use]
     pub fn is_narrow(&self) -> bool {
         self.half_angle <= 0.5 && self.rays_per_rad <= 300.0
     }
 
-    /// Which ray, counted with fractions, has the direction `across` to the left for `along` ahead;
-    /// a little more than the outermost for any direction beyond.
-    fn place(&self, along: f64, across: f64) -> f64 {
+    /// Fractional index of the ray with the direction (`along`, `across`), where `across` is to the
+    /// left. Directions beyond the fan give an index slightly beyond the outermost ray.
+    fn index(&self, along: f64, across: f64) -> f64 {
         let most = self.most_tan;
         let tan = if along > 0.0 {
             clamp(across / along, -most, most)
@@ -60,34 +60,34 @@ impl Fan {
     }
 }
 
-/// A search for the nearest answer.
+/// A search for the nearest echo.
 pub(super) struct NearestAnswer<'a> {
     pub things: Things<'a>,
     pub fan: &'a Fan,
-    /// Where the fan points: a unit vector.
+    /// Unit vector in the middle of the fan.
     pub axis: Point,
-    /// More rays.
+    /// Additional rays.
     pub others: &'a [Point],
-    /// A face answers where the ray meets it with this cosine at least.
+    /// Smallest cosine of the incidence at which a face returns an echo.
     pub least_cos: f64,
-    /// A face whose normal has less than this along the axis answers no ray of the lobe.
+    /// Smallest cosine between normal and axis at which a face can return an echo.
     pub least_facing: f64,
-    /// The nearest answer so far, m.
+    /// The nearest echo so far, m.
     pub best: f64,
 }
 
 impl NearestAnswer<'_> {
-    /// Finds the nearest answer, m; infinite if there is none.
+    /// Finds the nearest echo, m; infinite if there is none.
     pub fn run(&mut self) {
         for face in self.things.faces {
             if self.is_beyond(face.near) {
                 break;
             }
-            self.ask_face(face);
+            self.test_face(face);
         }
         for circle in self.things.circles {
             if !self.is_beyond(circle.near) {
-                self.ask_circle(circle);
+                self.test_circle(circle);
             }
         }
     }
@@ -97,7 +97,7 @@ impl NearestAnswer<'_> {
         near > most * most
     }
 
-    fn ask_face(&mut self, face: &SeenFace) {
+    fn test_face(&mut self, face: &SeenFace) {
         let (axis_u, axis_n) = (self.axis.dot(face.u), self.axis.cross(face.u));
         if axis_n < self.least_facing {
             return;
@@ -105,26 +105,26 @@ impl NearestAnswer<'_> {
         for &ray in self.others {
             self.try_face(face, ray);
         }
-        let place = |p: f64| {
+        let ray_index = |p: f64| {
             let (along, across) = (p * axis_u + face.q * axis_n, p * axis_n - face.q * axis_u);
-            self.fan.place(along, across)
+            self.fan.index(along, across)
         };
-        // One ray too early, for rounding. Casts of what is below 0 saturate.
+        // Starts one ray earlier because of rounding. The cast of a negative number gives 0.
         if face.p > 0.0 {
-            let first = (place(face.p) - 1.0) as usize;
-            self.ask_left(face, first);
+            let first = (ray_index(face.p) - 1.0) as usize;
+            self.test_left(face, first);
         } else if face.p + face.length < 0.0 {
-            let last = (place(face.p + face.length) + 2.0) as usize;
-            self.ask_right(face, last + 1);
+            let last = (ray_index(face.p + face.length) + 2.0) as usize;
+            self.test_right(face, last + 1);
         } else {
-            let left = (place(0.0) + 1.0) as usize;
-            self.ask_right(face, left);
-            self.ask_left(face, left);
+            let left = (ray_index(0.0) + 1.0) as usize;
+            self.test_right(face, left);
+            self.test_left(face, left);
         }
     }
 
-    /// Asks a face by the rays to the left from `first` on, away from its normal.
-    fn ask_left(&mut self, face: &SeenFace, first: usize) {
+    /// Tests a face with the rays to the left from `first` on, away from its normal.
+    fn test_left(&mut self, face: &SeenFace, first: usize) {
         let end = face.p + face.length;
         let fan = self.fan.directions();
         for direction in fan.get(first..).unwrap_or(&[]) {
@@ -135,8 +135,8 @@ impl NearestAnswer<'_> {
         }
     }
 
-    /// Asks a face by the rays to the right of `left`, away from its normal.
-    fn ask_right(&mut self, face: &SeenFace, left: usize) {
+    /// Tests a face with the rays to the right of `left`, away from its normal.
+    fn test_right(&mut self, face: &SeenFace, left: usize) {
         let fan = self.fan.directions();
         for direction in fan.iter().take(left).rev() {
             let ray = direction.turned(self.axis);
@@ -146,7 +146,7 @@ impl NearestAnswer<'_> {
         }
     }
 
-    /// Takes a face's answer to a ray if it is the best so far. Returns whether rays farther from
+    /// Takes a face's echo for a ray if it is the nearest so far. Returns whether rays farther from
     /// the face's normal cannot be better.
     fn try_face(&mut self, face: &SeenFace, ray: Point) -> bool {
         if ray.cross(face.u) < self.least_cos {
@@ -160,14 +160,14 @@ impl NearestAnswer<'_> {
         if way >= self.best {
             return true;
         }
-        let heard = !self.things.hide(ray, way, face.number);
-        if heard {
+        let is_visible = !self.things.hide(ray, way, face.number);
+        if is_visible {
             self.best = way;
         }
-        heard
+        is_visible
     }
 
-    fn ask_circle(&mut self, circle: &SeenCircle) {
+    fn test_circle(&mut self, circle: &SeenCircle) {
         for &ray in self.others {
             self.try_circle(circle, ray);
         }

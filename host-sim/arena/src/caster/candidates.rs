@@ -1,7 +1,8 @@
-//! What may lie in a lobe, found once for all tips near one place.
+//! Surfaces that may be in a lobe, cached for all tips near one position.
 //!
-//! It is the caster's only memory. Most transducers keep their direction while the robot moves on
-//! by millimeters; without it a whole step takes more than twice as long. No answer depends on it.
+//! It is the caster's only cache. Most transducers keep their direction while the robot moves by
+//! millimeters; without the cache a whole step takes more than twice as long. No result depends on
+//! it.
 
 use std::sync::Arc;
 
@@ -9,13 +10,13 @@ use super::seen::SonarLobe;
 use crate::geometry::{Point, max, min};
 use crate::surfaces::{Circle, Face, FaceBlock, LANES, SLACK_M, Surfaces};
 
-/// Tips within this distance of the place share their candidates, m.
+/// Radius around a tip in which other tips share its candidates, m.
 const ROOM_M: f64 = 0.7;
 
-/// The same, and far more than any rounding, m.
+/// The radius plus a margin for rounding, m.
 const MARGIN_M: f64 = ROOM_M + SLACK_M;
 
-/// The surfaces that may lie in a lobe like the one prepared for.
+/// The surfaces that may be in the prepared lobe or one near it.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Candidates {
     of: Option<Arc<Surfaces>>,
@@ -26,17 +27,17 @@ pub(super) struct Candidates {
 }
 
 impl Candidates {
-    /// Holds everything that may lie in `lobe` afterwards.
+    /// Collects all surfaces that may be in `lobe`, unless they are cached.
     pub fn prepare(&mut self, surfaces: &Arc<Surfaces>, lobe: &SonarLobe) {
-        if !self.serve(surfaces, lobe) {
+        if !self.are_valid_for(surfaces, lobe) {
             self.find(surfaces, lobe);
             self.of = Some(Arc::clone(surfaces));
             self.lobe = *lobe;
         }
     }
 
-    /// Whether they serve a lobe.
-    fn serve(&self, surfaces: &Arc<Surfaces>, lobe: &SonarLobe) -> bool {
+    /// Whether the cached candidates are valid for a lobe.
+    fn are_valid_for(&self, surfaces: &Arc<Surfaces>, lobe: &SonarLobe) -> bool {
         let known = self.of.as_ref();
         let moved = lobe.tip - self.lobe.tip;
         let shifted = SonarLobe {
@@ -68,7 +69,7 @@ impl Candidates {
     }
 }
 
-/// The edges of all lobes whose tips lie within [`ROOM_M`] of one.
+/// The edges of all lobes whose tips are within [`ROOM_M`] of one.
 struct LobeEdges {
     tip: Point,
     /// Unit vectors.
@@ -86,8 +87,8 @@ impl LobeEdges {
         }
     }
 
-    /// Which faces of a block may show their front to a tip and lie in its lobe. A shift of the tip
-    /// shifts the edges by no more.
+    /// Which faces of a block may be in a lobe with their front to its tip. A shift of the tip
+    /// shifts the edges by at most the same distance.
     fn may_hold(&self, block: &FaceBlock) -> [bool; LANES] {
         let mut held = [false; LANES];
         for (i, held) in held.iter_mut().enumerate() {

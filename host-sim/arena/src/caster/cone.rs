@@ -1,23 +1,24 @@
-//! What lies around one place, prepared for cone queries, and the cone query itself.
+//! Cone queries, and the surroundings of a position prepared for them.
 //!
-//! A face at distance `q` along its normal starts `p` along it from the foot of the perpendicular.
-//! An edge of the cone meets its line at `q·tan` of the edge's angle to the normal. Of what lies
-//! between both edges, the point nearest to the foot is the nearest; no other surface can hide it.
+//! A face at distance `q` along its normal starts at `p` along it, from the foot of the
+//! perpendicular. An edge of the cone intersects its line at `q·tan` of the edge's angle to the
+//! normal. Between both edges, the point nearest to the foot is the nearest. No other surface can
+//! hide the nearest point of all.
 
 use crate::geometry::{Point, clamp, max, min};
 use crate::surfaces::{Circle, FaceBlock, LANES, Surfaces};
 
-/// A squared distance no query can reach, m².
+/// A squared distance above all results, m².
 const NOTHING: f32 = 1e18;
 
-/// Far above the rounding of f32, m and as a share of the reach.
+/// Margins for the rounding of f32, in m and as a share of the reach.
 const SLACK_M: f64 = 1e-3;
 const ROUNDING: f64 = 1e-5;
 
-/// A tangent past any face: where the edge of a cone runs parallel to a face or away from it.
+/// A tangent beyond any face: the edge of a cone is parallel to the face or points away from it.
 const BEYOND: f32 = 1e9;
 
-/// Faces as seen from the middle of a view, m. `n`, the normal towards the face, is `u` turned
+/// Faces relative to the middle of a view, m. `n`, the normal towards the face, is `u` turned
 /// right.
 #[derive(Debug, Clone)]
 struct ViewBlock {
@@ -43,10 +44,10 @@ impl ViewBlock {
     };
 }
 
-/// The faces and circles that cones around one place may meet.
+/// The faces and circles that cones around one position may contain.
 ///
-/// It is built once per place, in f64; the query runs once per cone, in f32 relative to the place:
-/// within 1 µm + 1 ppm.
+/// It is built once per position, in f64. A query runs once per cone, in f32 relative to the
+/// position, with an error of at most 1 µm + 1 ppm.
 #[derive(Debug)]
 pub struct ConeView {
     offset_m: f64,
@@ -57,7 +58,7 @@ pub struct ConeView {
     circles: Vec<(f64, f64, f64)>,
 }
 
-/// A cone as the query needs it: it opens by `half_angle` on either side of an axis.
+/// Sine and cosine of a cone's half angle.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ConeShape {
     pub(crate) sin: f64,
@@ -74,7 +75,8 @@ impl ConeShape {
 }
 
 impl ConeView {
-    /// Looks around `middle`, for cones whose tips are `offset_m` from it and reach `reach_m` far.
+    /// Collects the surfaces around `middle`, for cones with tips `offset_m` from it and a reach of
+    /// `reach_m`.
     pub(super) fn new(
         surfaces: &Surfaces,
         posts: &[Circle],
@@ -128,7 +130,7 @@ impl ConeView {
             offset: self.offset_m as f32,
             cone: [cone.sin as f32, cone.cos as f32],
         };
-        // A tip is nearer to a face than the middle by no more than this.
+        // A tip is nearer to a face than the middle by at most this.
         let nearer = self.offset_m + SLACK_M + ROUNDING * self.reach_m;
         let mut best = [NOTHING; LANES];
         for block in &self.blocks {
@@ -141,7 +143,7 @@ impl ConeView {
     }
 }
 
-/// Collects the faces that cones around one place may meet.
+/// Collects the faces that cones around one position may contain.
 struct FacesAround {
     middle: Point,
     offset_m: f64,
@@ -151,7 +153,7 @@ struct FacesAround {
 }
 
 impl FacesAround {
-    /// Appends the faces of a block that show their front to a tip and lie within reach.
+    /// Appends the faces of a block that are within reach and have their front to a tip.
     #[inline]
     fn keep(&mut self, block: &FaceBlock) {
         let (middle, front) = (self.middle, -self.offset_m);
@@ -192,7 +194,7 @@ impl FacesAround {
 /// The tip of a cone.
 struct Tip {
     axis: [f32; 2],
-    /// How far from the middle of the view it lies, m.
+    /// Its distance from the middle of the view, m.
     offset: f32,
     /// Sine and cosine of half its angle.
     cone: [f32; 2],

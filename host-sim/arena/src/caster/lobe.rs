@@ -1,7 +1,7 @@
-//! What the sound of one transducer can meet: the faces, circles and corners in its lobe.
+//! The faces, circles and corners in the lobe of one transducer.
 //!
-//! Single rays meet them ([`LobeView::cast`]), or only as many of a fan as determine its nearest
-//! answer ([`LobeView::nearest_answer`]).
+//! [`LobeView::cast`] casts single rays. [`LobeView::nearest_answer`] casts only those rays of a
+//! fan that determine its nearest echo.
 
 use std::sync::Arc;
 
@@ -11,11 +11,11 @@ use super::seen::{LobeHit, SLACK_M, SeenCircle, SeenFace, SonarLobe, Things};
 use crate::geometry::Point;
 use crate::surfaces::{Circle, Surfaces};
 
-/// How much nearer than a corner a ray may end and still be said to reach it, m.
+/// A ray that ends at most this much before a corner still reaches it, m.
 const CORNER_SLACK_M: f64 = 1e-6;
 
-/// What one lobe can meet. It can be aimed again and again; a transducer that moves little and
-/// keeps its direction is aimed fast.
+/// The surfaces in one lobe. It can be aimed repeatedly; a small move in the same direction is
+/// fast.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct LobeView {
     candidates: Candidates,
@@ -23,12 +23,12 @@ pub(crate) struct LobeView {
     /// From near to far.
     faces: Vec<SeenFace>,
     circles: Vec<SeenCircle>,
-    /// Relative to the tip, and how far, m.
+    /// Position relative to the tip, and distance, m.
     corners: Vec<(Point, f64)>,
 }
 
 impl LobeView {
-    /// Collects what lies inside a lobe and shows its front.
+    /// Collects the surfaces in a lobe that have their front to its tip.
     pub(super) fn aim(&mut self, surfaces: &Arc<Surfaces>, posts: &[Circle], lobe: &SonarLobe) {
         self.candidates.prepare(surfaces, lobe);
         self.lobe = *lobe;
@@ -46,8 +46,8 @@ impl LobeView {
         }
     }
 
-    /// The corners in the lobe that are from `least` to `most` m from its tip, hidden or not: where
-    /// they are, relative to the tip, and how far.
+    /// The corners in the lobe from `least` to `most` m from its tip, hidden or not: position
+    /// relative to the tip, and distance.
     pub fn corners(&mut self, least: f64, most: f64) -> &mut [(Point, f64)] {
         let SonarLobe {
             tip, axis, cone, ..
@@ -67,13 +67,13 @@ impl LobeView {
         &mut self.corners
     }
 
-    /// Distance of the nearest corner that nothing hides, from `least` to `most` m from the tip, m.
+    /// Distance of the nearest visible corner from `least` to `most` m from the tip, m.
     pub fn nearest_corner(&mut self, least: f64, most: f64) -> Option<f64> {
         let axis = self.lobe.axis;
         let corners = self.corners(least, most);
         corners.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
         let things = self.things();
-        let shown = self.corners.iter().find(|&&(corner, range)| {
+        let visible = self.corners.iter().find(|&&(corner, range)| {
             let towards = if range > 0.0 {
                 corner * (1.0 / range)
             } else {
@@ -81,15 +81,15 @@ impl LobeView {
             };
             !things.hide(towards, range - CORNER_SLACK_M, f64::NEG_INFINITY)
         });
-        shown.map(|(_, range)| *range)
+        visible.map(|(_, range)| *range)
     }
 
-    /// Length of the shortest ray that answers, m; infinite if none does.
+    /// Length of the shortest ray with an echo, m; infinite if there is none.
     ///
     /// The rays are those of a [narrow](Fan::is_narrow) fan as wide as the lobe, and `others`: the
-    /// directions of [`LobeView::promising`] in the lobe. A ray answers if it first meets a circle,
-    /// or a face with a cosine of at least `least_cos`. A face whose normal has a cosine below
-    /// `least_facing` to the axis answers no ray of the lobe.
+    /// directions of [`LobeView::promising`] in the lobe. A ray has an echo if it first hits a
+    /// circle, or a face with a cosine of at least `least_cos`. A face whose normal has a cosine
+    /// below `least_facing` to the axis returns no echo.
     #[must_use]
     pub fn nearest_answer(
         &self,
@@ -111,13 +111,13 @@ impl LobeView {
         search.best
     }
 
-    /// The lobe aimed at.
+    /// The aimed lobe.
     #[must_use]
     pub fn lobe(&self) -> &SonarLobe {
         &self.lobe
     }
 
-    /// What a ray along the unit vector `ray`, which must not leave the lobe, meets first.
+    /// The first hit of a ray along the unit vector `ray`, which must be inside the lobe.
     #[must_use]
     pub fn cast(&self, ray: Point) -> Option<LobeHit> {
         self.things().cast(ray)
@@ -130,9 +130,8 @@ impl LobeView {
         }
     }
 
-    /// Unit vectors from the tip towards the places most likely to answer: the foot of the
-    /// perpendicular on each face that has one, and the middle of each circle. They may lie outside
-    /// the lobe.
+    /// Unit vectors from the tip towards likely reflectors: the foot of the perpendicular on each
+    /// face that contains it, and the center of each circle. They may be outside the lobe.
     pub fn promising(&self) -> impl Iterator<Item = Point> + '_ {
         let feet = self.faces.iter();
         let feet = feet.filter(|face| face.has_foot());

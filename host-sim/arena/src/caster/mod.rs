@@ -1,8 +1,7 @@
-//! The caster: what rays, cones and moving discs meet among the surfaces of a world.
+//! The caster: intersections of rays, cones and moving discs with the surfaces of a world.
 //!
-//! [`Caster`] is its one door. Each query looks only at what is near, by trees of boxes. It
-//! remembers nothing between queries, except what a [`LobeView`] keeps of the surroundings of its
-//! transducer.
+//! [`Caster`] is its interface. Bounding-box trees limit each query to near surfaces. Queries share
+//! no state, except that a [`LobeView`] caches the surroundings of its transducer.
 
 use std::sync::Arc;
 
@@ -32,16 +31,16 @@ pub(crate) use {
     sweep::{Path, touch_circle, touch_face},
 };
 
-/// The surfaces of a world, ready for queries. Clones share what stands still.
+/// The surfaces of a world, prepared for queries. Clones share the surfaces that do not move.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Caster {
     still: Arc<Surfaces>,
-    /// Posts that move, after the circles that stand still.
+    /// Movable posts, numbered after the fixed circles.
     posts: Vec<Circle>,
 }
 
 impl Caster {
-    /// A caster among `shapes`.
+    /// A caster for `shapes`.
     pub fn new(shapes: &[Shape]) -> Self {
         Self {
             still: Arc::new(Surfaces::of(shapes)),
@@ -69,28 +68,29 @@ impl Caster {
             .fold(still, |nearest, post| min(nearest, post.distance(point)))
     }
 
-    /// Moves a disc of `radius` m straight `from` one point towards another, up to its first touch.
+    /// Moves a disc of `radius` m straight `from` one point towards another, up to its first
+    /// contact.
     pub fn sweep(&self, from: Point, to: Point, radius: f64) -> Sweep {
         sweep::sweep(&self.still, &self.posts, [from, to], radius)
     }
 
-    /// The first thing that a ray from `origin` along the unit vector `direction` meets.
+    /// The first hit of a ray from `origin` along the unit vector `direction`.
     pub fn cast(&self, origin: Point, direction: Point) -> Option<Hit> {
         ray::cast(&self.still, &self.posts, origin, direction)
     }
 
-    /// What cones can meet whose tips lie `offset_m` from `middle`, along their axes, and which
-    /// reach `reach_m` from there.
+    /// The surfaces for queries with cones around `middle`. Their tips are `offset_m` from it along
+    /// their axes, and they reach `reach_m` from there.
     pub fn view(&self, middle: Point, offset_m: f64, reach_m: f64) -> ConeView {
         ConeView::new(&self.still, &self.posts, middle, offset_m, reach_m)
     }
 
-    /// Aims a view at a lobe: what the sound of one transducer can meet.
+    /// Aims a view at a lobe: collects the surfaces that the sound of one transducer can hit.
     pub fn aim(&self, view: &mut LobeView, lobe: &SonarLobe) {
         view.aim(&self.still, &self.posts, lobe);
     }
 
-    /// Whether both stand for the same surfaces and none of them moves.
+    /// Whether both have the same surfaces and none of them can move.
     pub fn is_same_still(&self, other: &Self) -> bool {
         let posts = self.posts.len() + other.posts.len();
         posts == 0 && Arc::ptr_eq(&self.still, &other.still)

@@ -1,34 +1,34 @@
-//! Single rays: what a thin beam of sound meets first, and at which angle. Exact, in f64.
+//! Ray casting: first hit and angle of incidence of a thin beam of sound, in f64.
 
 use crate::geometry::{Point, max, min};
 use crate::surfaces::{Boxes, Circle, FIRST_CIRCLE, FaceBlock, LANES, Surfaces, TreeSearch};
 
-/// A ray that starts on a surface, give or take rounding, does not meet it, m.
+/// A ray does not hit surfaces nearer than this, m: it may start on a surface.
 const SELF_M: f64 = 1e-9;
 
-/// A surface of a world, by its place in the world's own list.
+/// A surface of a world, by its index in the world's list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Surface {
-    /// One side of a straight piece.
+    /// One side of a straight segment.
     Face(usize),
     /// The side of a circle.
     Circle(usize),
 }
 
-/// Where a ray ends.
+/// The first hit of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     /// Length of the ray, m.
     pub distance_m: f64,
-    /// What it meets.
+    /// The surface.
     pub surface: Surface,
     /// Cosine of the angle between the ray and the surface's normal: 1 head on, 0 grazing.
     pub cos_incidence: f64,
-    /// Unit vector from the surface, at right angles to it, towards the side the ray came from.
+    /// Normal of the surface, a unit vector towards the ray's side.
     pub normal: Point,
 }
 
-/// The first thing that a ray from `origin` along the unit vector `direction` meets.
+/// The first hit of a ray from `origin` along the unit vector `direction`.
 pub(super) fn cast(
     surfaces: &Surfaces,
     posts: &[Circle],
@@ -58,7 +58,7 @@ pub(super) fn cast(
     }
 }
 
-/// Search for the first face a ray meets.
+/// Search for the first face that a ray hits.
 struct FirstFace<'w> {
     surfaces: &'w Surfaces,
     origin: Point,
@@ -69,11 +69,11 @@ struct FirstFace<'w> {
 }
 
 impl FirstFace<'_> {
-    /// Length of the ray to each face of a block, m; infinite where it misses.
-    fn ways(&self, block: &FaceBlock) -> [f64; LANES] {
+    /// Length of the ray to each face of a block, m; infinite if it misses.
+    fn distances(&self, block: &FaceBlock) -> [f64; LANES] {
         let (origin, direction) = (self.origin, self.direction);
-        let mut ways = [f64::INFINITY; LANES];
-        for (i, way) in ways.iter_mut().enumerate() {
+        let mut distances = [f64::INFINITY; LANES];
+        for (i, distance) in distances.iter_mut().enumerate() {
             let offset = Point::new(block.ax[i], block.ay[i]) - origin;
             let u = Point::new(block.ux[i], block.uy[i]);
             let (p, q) = (offset.dot(u), offset.cross(u));
@@ -81,9 +81,9 @@ impl FirstFace<'_> {
             let along = q * direction.dot(u);
             let beyond = max(p * cos - along, along - (p + block.length[i]) * cos);
             let met = (q > SELF_M) & (cos > 0.0) & (beyond <= 0.0);
-            *way = if met { q / cos } else { f64::INFINITY };
+            *distance = if met { q / cos } else { f64::INFINITY };
         }
-        ways
+        distances
     }
 
     fn hit(&self) -> Option<Hit> {
@@ -99,8 +99,7 @@ impl FirstFace<'_> {
     }
 }
 
-/// The order of faces met at the same distance: by the remainder of the number by [`LANES`], then
-/// by the number.
+/// The order of faces at the same distance: by number modulo [`LANES`], then by number.
 fn rank(number: f64) -> (usize, usize) {
     let number = number as usize;
     (number % LANES, number)
@@ -113,16 +112,16 @@ impl TreeSearch for FirstFace<'_> {
 
     fn look(&mut self, block: usize) {
         let faces = self.surfaces.face_block(block);
-        let ways = self.ways(faces);
-        let best = ways.into_iter().fold(self.best, min);
+        let distances = self.distances(faces);
+        let best = distances.into_iter().fold(self.best, min);
         if best == f64::INFINITY {
             return;
         }
         for (lane, &number) in faces.number.iter().enumerate() {
             let first = |known: f64| rank(number) < rank(known);
             let better =
-                ways[lane] < self.best || self.found.is_none_or(|(_, _, known)| first(known));
-            if ways[lane] == best && better {
+                distances[lane] < self.best || self.found.is_none_or(|(_, _, known)| first(known));
+            if distances[lane] == best && better {
                 self.best = best;
                 self.found = Some((block, lane, number));
             }
@@ -130,7 +129,7 @@ impl TreeSearch for FirstFace<'_> {
     }
 }
 
-/// Search for the first circle a ray meets, nearer than `best`.
+/// Search for the first circle that a ray hits, nearer than `best`.
 struct FirstCircle<'w> {
     surfaces: &'w Surfaces,
     origin: Point,
@@ -141,14 +140,15 @@ struct FirstCircle<'w> {
 
 impl FirstCircle<'_> {
     fn meet(&mut self, circle: &Circle) {
-        let Some(way) = way_to_circle(circle.center - self.origin, circle.radius, self.direction)
+        let Some(distance) =
+            distance_to_circle(circle.center - self.origin, circle.radius, self.direction)
         else {
             return;
         };
         let first =
-            way == self.best && self.found.is_some_and(|known| circle.number < known.number);
-        if way > SELF_M && (way < self.best || first) {
-            self.best = way;
+            distance == self.best && self.found.is_some_and(|known| circle.number < known.number);
+        if distance > SELF_M && (distance < self.best || first) {
+            self.best = distance;
             self.found = Some(*circle);
         }
     }
@@ -180,9 +180,9 @@ impl TreeSearch for FirstCircle<'_> {
 }
 
 /// Length of a ray from the origin to a circle, m.
-fn way_to_circle(center: Point, radius: f64, direction: Point) -> Option<f64> {
+fn distance_to_circle(center: Point, radius: f64, direction: Point) -> Option<f64> {
     let across = direction.cross(center);
     let depth = radius * radius - across * across;
-    let way = direction.dot(center) - max(depth, 0.0).sqrt();
-    (depth >= 0.0 && way > 0.0).then_some(way)
+    let distance = direction.dot(center) - max(depth, 0.0).sqrt();
+    (depth >= 0.0 && distance > 0.0).then_some(distance)
 }

@@ -1,27 +1,27 @@
-//! A lobe, faces and circles as seen from its tip, and what a ray from there meets first.
+//! A lobe, faces and circles relative to its tip, and ray casts from there.
 
 use super::cone::{ConeShape, circle_in_cone};
 use crate::geometry::{Point, max, min};
 use crate::surfaces::{Circle, Face};
 
-/// How much beyond a ray's end things are still looked at, m: far above any rounding.
+/// Margin for rounding behind the end of a ray, m.
 pub(super) const SLACK_M: f64 = 1e-3;
 
-/// A lobe: the cone in which a transducer hears.
+/// A lobe: the cone in which a transducer receives echoes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct SonarLobe {
-    /// Where its tip is.
+    /// Position of its tip.
     pub tip: Point,
     /// A unit vector.
     pub axis: Point,
-    /// How wide it is.
+    /// Its half angle.
     pub cone: ConeShape,
-    /// How far it reaches from its tip, m.
+    /// Its length from the tip, m.
     pub reach_m: f64,
 }
 
 impl SonarLobe {
-    /// A circle as it is seen, if any part of it lies in the lobe.
+    /// A circle relative to the tip, if any part of it is in the lobe.
     pub(super) fn see_circle(&self, circle: &Circle) -> Option<SeenCircle> {
         let center = circle.center - self.tip;
         let near = circle_in_cone(center, circle.radius, self.axis, self.cone);
@@ -33,7 +33,7 @@ impl SonarLobe {
         })
     }
 
-    /// A face as it is seen, if any part of it lies in the lobe.
+    /// A face relative to the tip, if any part of it is in the lobe.
     #[inline]
     pub(super) fn see(&self, face: &Face) -> Option<SeenFace> {
         let ConeShape { sin, cos } = self.cone;
@@ -50,7 +50,7 @@ impl SonarLobe {
         if !(met_left || met_right) {
             return None;
         }
-        // An edge of the cone that runs away from the face bounds nothing.
+        // An edge of the cone that points away from the face is no limit.
         let left = if met_left {
             q * left_u / left_n
         } else {
@@ -75,12 +75,12 @@ impl SonarLobe {
     }
 }
 
-/// A face as seen from the tip of a lobe.
+/// A face relative to the tip of a lobe.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SeenFace {
     /// Unit vector along the face.
     pub u: Point,
-    /// Where it starts along `u`, from the foot of the perpendicular from the tip, m.
+    /// Its start along `u`, from the foot of the perpendicular from the tip, m.
     pub p: f64,
     /// Distance of its line from the tip, m.
     pub q: f64,
@@ -91,12 +91,12 @@ pub(super) struct SeenFace {
 }
 
 impl SeenFace {
-    /// Whether the foot of the perpendicular from the tip lies on it.
+    /// Whether it contains the foot of the perpendicular from the tip.
     pub fn has_foot(&self) -> bool {
         self.p <= 0.0 && self.p + self.length >= 0.0
     }
 
-    /// Whether a ray from the tip meets the face, and the cosine of the angle between it and the
+    /// Whether a ray from the tip hits the face, and the cosine of the angle between it and the
     /// face's normal.
     #[inline]
     pub fn met_by(&self, ray: Point) -> (bool, f64) {
@@ -108,7 +108,7 @@ impl SeenFace {
     }
 }
 
-/// A circle as seen from the tip of a lobe.
+/// A circle relative to the tip of a lobe.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SeenCircle {
     pub center: Point,
@@ -118,7 +118,7 @@ pub(super) struct SeenCircle {
 }
 
 impl SeenCircle {
-    /// Length of a ray from the tip to the circle, m, if it meets it.
+    /// Length of a ray from the tip to the circle, m, if it hits it.
     #[inline]
     pub fn met_by(&self, ray: Point) -> Option<f64> {
         let across = ray.cross(self.center);
@@ -126,12 +126,12 @@ impl SeenCircle {
         if depth < 0.0 {
             return None;
         }
-        let way = ray.dot(self.center) - depth.sqrt();
-        (way > 0.0).then_some(way)
+        let distance_m = ray.dot(self.center) - depth.sqrt();
+        (distance_m > 0.0).then_some(distance_m)
     }
 }
 
-/// What a ray in a lobe meets first.
+/// The first hit of a ray in a lobe.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct LobeHit {
     /// Length of the ray, m.
@@ -140,20 +140,20 @@ pub(crate) struct LobeHit {
     pub cos_incidence: f64,
     /// Number of the surface: a face's or, higher than those, a circle's.
     pub number: f64,
-    /// Unit vector at right angles to a face, towards its front; `None` for a circle.
+    /// Normal of a face, a unit vector towards its front; `None` for a circle.
     pub normal: Option<Point>,
 }
 
 impl LobeHit {
-    /// Whether a surface at `distance_m` comes before this one. Of two at the same distance the
-    /// first in the world's list does.
+    /// Whether a surface at `distance_m` comes before this one; at the same distance, the first in
+    /// the world's list does.
     fn comes_after(&self, distance_m: f64, number: f64) -> bool {
         let same = distance_m == self.distance_m;
         distance_m < self.distance_m || (same && number < self.number)
     }
 }
 
-/// All that a lobe holds; faces from near to far.
+/// All surfaces in a lobe; faces from near to far.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Things<'a> {
     pub faces: &'a [SeenFace],
@@ -161,7 +161,7 @@ pub(super) struct Things<'a> {
 }
 
 impl Things<'_> {
-    /// What a ray meets first.
+    /// The first hit of a ray.
     pub fn cast(&self, ray: Point) -> Option<LobeHit> {
         let mut first: Option<LobeHit> = None;
         let mut offer = |hit: LobeHit| {
@@ -194,12 +194,13 @@ impl Things<'_> {
         first
     }
 
-    /// Whether a ray meets anything before `way` m; at `way` itself, what comes before `number` in
-    /// the world's list.
+    /// Whether a ray hits a surface before `distance_m` m, or at `distance_m` one that precedes
+    /// `number` in the world's list.
     #[inline]
-    pub fn hide(&self, ray: Point, way: f64, number: f64) -> bool {
-        let most = (way + SLACK_M) * (way + SLACK_M);
-        let before = |other: f64, its: f64| other < way || (other == way && its < number);
+    pub fn hide(&self, ray: Point, distance_m: f64, number: f64) -> bool {
+        let most = (distance_m + SLACK_M) * (distance_m + SLACK_M);
+        let before =
+            |other: f64, its: f64| other < distance_m || (other == distance_m && its < number);
         for face in self.faces {
             if face.near > most {
                 break;

@@ -1,25 +1,24 @@
-//! A disc that moves straight until it touches something.
+//! Straight motion of a disc up to its first contact.
 //!
-//! The distance from a moving point to a straight piece or a disc is a convex function of the way,
-//! so the first touch has a closed form: a ray against a capsule, or against a circle. The nearest
-//! surface is searched first; only a path that comes near enough pays for the closed form.
+//! The distance from a moving point to a straight segment or a disc is a convex function of the
+//! distance traveled. So the first contact has a closed form: the intersection of a ray with a
+//! capsule or a circle. The closed form is computed only if the nearest surface is near enough.
 
 use crate::geometry::{Point, clamp, max, min};
 use crate::surfaces::{Circle, Distance, Face, FaceBlock, LANES, SLACK_M, Surfaces};
 
-/// How far a disc may sink into a surface before it counts as touching, m. It stops at distance
-/// zero, so a disc at rest against a wall may leave it or slide along it, and rounding does no
-/// harm.
+/// Depth in a surface up to which a disc does not touch it, m. A moving disc stops at distance
+/// zero. The slack lets a disc at a wall leave it or slide along it despite rounding.
 pub const TOUCH_SLACK_M: f64 = 1e-6;
 
-/// What a moving disc met.
+/// Result of moving a disc.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sweep {
-    /// Way traveled, m; less than asked for only after a touch.
+    /// Distance traveled, m; less than commanded only after a contact.
     pub traveled_m: f64,
-    /// The point touched, if anything was: the disc stopped there.
+    /// Point of contact where the disc stopped; `None` without a contact.
     pub contact: Option<Point>,
-    /// Least gap between the disc and any surface along the way traveled, m, never negative.
+    /// Smallest gap between the disc and any surface along the path traveled, m, never negative.
     pub min_clearance_m: f64,
 }
 
@@ -61,23 +60,23 @@ impl Path {
         self.start + self.direction * traveled
     }
 
-    /// Least distance between this path and a point, m.
+    /// Smallest distance between this path and a point, m.
     fn distance(&self, point: Point) -> f64 {
         let offset = point - self.start;
         let along = clamp(offset.dot(self.direction), 0.0, self.length);
         point.distance(self.at(along))
     }
 
-    /// Way at which this path comes within `radius` of `point`, if it does, from outside.
+    /// Distance at which this path enters the circle of `radius` around `point`, if it does.
     fn reaches(&self, point: Point, radius: f64) -> Option<f64> {
         let offset = point - self.start;
         let across = offset.cross(self.direction);
         let depth = radius * radius - across * across;
-        let way = offset.dot(self.direction) - max(depth, 0.0).sqrt();
-        (depth >= 0.0 && way >= 0.0).then_some(way)
+        let distance = offset.dot(self.direction) - max(depth, 0.0).sqrt();
+        (depth >= 0.0 && distance >= 0.0).then_some(distance)
     }
 
-    /// Whether a disc of `radius` m on this path touches a surface whose least distance from the
+    /// Whether a disc of `radius` m on this path touches a surface whose smallest distance from the
     /// path is `nearest` m.
     pub fn is_touched_at(&self, nearest: f64, radius: f64) -> bool {
         nearest < radius - TOUCH_SLACK_M
@@ -108,7 +107,7 @@ impl Distance for Path {
     }
 }
 
-/// Moves a disc of `radius` m straight `from` one point towards another, up to its first touch.
+/// Moves a disc of `radius` m straight `from` one point towards another, up to its first contact.
 pub(super) fn sweep(
     surfaces: &Surfaces,
     posts: &[Circle],
@@ -128,14 +127,14 @@ pub(super) fn sweep(
     match first_touch(surfaces, posts, &path, radius) {
         None => free,
         Some(touch) => Sweep {
-            traveled_m: min(touch.way_m, path.length),
+            traveled_m: min(touch.distance_m, path.length),
             contact: Some(touch.contact),
             min_clearance_m: 0.0,
         },
     }
 }
 
-/// Least distance between a path and any surface, m; 0 inside a circle.
+/// Smallest distance between a path and any surface, m; 0 inside a circle.
 fn gap(surfaces: &Surfaces, posts: &[Circle], path: &Path) -> f64 {
     let still = surfaces.nearest(path.middle(), path.length / 2.0, path);
     posts
@@ -143,10 +142,10 @@ fn gap(surfaces: &Surfaces, posts: &[Circle], path: &Path) -> f64 {
         .fold(still, |nearest, post| min(nearest, path.to_circle(post)))
 }
 
-/// Where a disc touches a surface.
+/// Contact of a disc with a surface.
 struct Touch {
-    /// Way up to the touch, m.
-    way_m: f64,
+    /// Distance up to the contact, m.
+    distance_m: f64,
     contact: Point,
     /// Number of the surface.
     number: f64,
@@ -154,20 +153,20 @@ struct Touch {
 
 impl Touch {
     fn comes_before(&self, other: &Self) -> bool {
-        let same = self.way_m == other.way_m;
-        self.way_m < other.way_m || (same && self.number < other.number)
+        let same = self.distance_m == other.distance_m;
+        self.distance_m < other.distance_m || (same && self.number < other.number)
     }
 }
 
-/// The first touch on a path; of several at once, that of the surface first in the world's list.
+/// The first contact on a path; of several at once, that of the first surface in the world's list.
 fn first_touch(surfaces: &Surfaces, posts: &[Circle], path: &Path, radius: f64) -> Option<Touch> {
     let mut first: Option<Touch> = None;
     let mut offer = |touch: Option<(f64, Point)>, number: f64| {
-        let Some((way_m, contact)) = touch else {
+        let Some((distance_m, contact)) = touch else {
             return;
         };
         let touch = Touch {
-            way_m,
+            distance_m,
             contact,
             number,
         };
@@ -190,8 +189,8 @@ fn first_touch(surfaces: &Surfaces, posts: &[Circle], path: &Path, radius: f64) 
     first
 }
 
-/// Squared distance between a path and a face, m²: two pieces that do not cross are nearest at one
-/// of their four ends. Without a branch, so that a loop over a block becomes vector instructions.
+/// Squared distance between a path and a face, m². Two segments that do not cross are nearest at
+/// one of their four ends. The code has no branches, so a loop over a block is vectorized.
 #[inline(always)]
 fn gap_squared(path: &Path, a: Point, u: Point, length: f64) -> f64 {
     let (e, reach, d) = (path.direction, path.length, a - path.start);
@@ -222,7 +221,7 @@ fn gap_squared(path: &Path, a: Point, u: Point, length: f64) -> f64 {
     }
 }
 
-/// First touch of a disc with a face: the way traveled and the point touched.
+/// First contact of a disc with a face: distance traveled and point of contact.
 pub(crate) fn touch_face(path: &Path, face: &Face, radius: f64) -> Option<(f64, Point)> {
     let end = face.a + face.u * face.length;
     let nearest_to = |p: Point| face.a + face.u * clamp((p - face.a).dot(face.u), 0.0, face.length);
@@ -233,40 +232,41 @@ pub(crate) fn touch_face(path: &Path, face: &Face, radius: f64) -> Option<(f64, 
     if gap_squared(path, face.a, face.u, face.length).sqrt() >= radius - TOUCH_SLACK_M {
         return None;
     }
-    let way = if start_gap.length() <= radius {
+    let distance = if start_gap.length() <= radius {
         0.0
     } else {
-        let flat = flat_way(path, face, radius);
+        let flat = distance_to_side(path, face, radius);
         let ends = [path.reaches(face.a, radius), path.reaches(end, radius)];
         flat.into_iter()
             .chain(ends.into_iter().flatten())
             .fold(path.length, min)
     };
-    Some((way, nearest_to(path.at(way))))
+    Some((distance, nearest_to(path.at(distance))))
 }
 
-/// Way at which the path comes within `radius` of the face itself, between its ends.
-fn flat_way(path: &Path, face: &Face, radius: f64) -> Option<f64> {
+/// Distance at which the path comes within `radius` of the face between its ends.
+fn distance_to_side(path: &Path, face: &Face, radius: f64) -> Option<f64> {
     let offset = path.start - face.a;
     let across = face.u.cross(offset);
     let closing = face.u.cross(path.direction) * if across > 0.0 { -1.0 } else { 1.0 };
     if across.abs() <= radius || closing <= 0.0 {
         return None;
     }
-    let way = (across.abs() - radius) / closing;
-    let along = (path.at(way) - face.a).dot(face.u);
-    (0.0..=face.length).contains(&along).then_some(way)
+    let distance = (across.abs() - radius) / closing;
+    let along = (path.at(distance) - face.a).dot(face.u);
+    (0.0..=face.length).contains(&along).then_some(distance)
 }
 
-/// First touch of a disc with a circle: the way traveled and the point touched.
+/// First contact of a disc with a circle: distance traveled and point of contact.
 pub(crate) fn touch_circle(path: &Path, circle: &Circle, radius: f64) -> Option<(f64, Point)> {
-    let way = touch_point(path, circle.center, radius + circle.radius)?;
-    let inward = circle.center - path.at(way);
+    let distance = touch_point(path, circle.center, radius + circle.radius)?;
+    let inward = circle.center - path.at(distance);
     let share = (1.0 - circle.radius / max(inward.length(), circle.radius)).max(0.0);
-    Some((way, path.at(way) + inward * share))
+    Some((distance, path.at(distance) + inward * share))
 }
 
-/// Way at which a disc of `radius` (the robot's and the post's together) first touches a point.
+/// Distance at which a disc of `radius` (the sum of the robot's and the post's) first touches a
+/// point.
 fn touch_point(path: &Path, point: Point, radius: f64) -> Option<f64> {
     let approaching = (point - path.start).dot(path.direction) > 0.0;
     if !approaching || path.distance(point) >= radius - TOUCH_SLACK_M {

@@ -1,4 +1,4 @@
-//! The queries against slow and obvious ways to get the same answer.
+//! The queries compared with slow and simple computations of the same results.
 
 use super::*;
 use crate::geometry::{Pose, wrap_angle};
@@ -59,7 +59,7 @@ fn cluttered(seed: u64) -> (World, Vec<Point>) {
     (world, places)
 }
 
-/// First thing a ray meets, from either side, by solving for every piece.
+/// The first hit of a ray, from either side, by testing every segment.
 fn ray(world: &World, from: Point, direction: Point) -> f64 {
     let mut nearest = f64::INFINITY;
     for (a, b) in world.segments() {
@@ -86,9 +86,8 @@ fn ray(world: &World, from: Point, direction: Point) -> f64 {
     nearest
 }
 
-/// Nearest surface in a cone by brute force: rays 0.025° apart, and two past each corner and one to
-/// the middle of each circle, where a fan alone would be a millimeter off. What is left is of
-/// second order.
+/// Nearest surface in a cone by brute force: rays 0.025° apart, two rays past each corner and one
+/// to the center of each circle. Without the additional rays the error would be a millimeter.
 fn dense_cone(world: &World, tip: Point, bearing: f64, half: f64) -> f64 {
     let fan = (0..=1000).map(|ray| bearing + half * (f64::from(ray) / 500.0 - 1.0));
     let (mut corners, mut middles) = (Vec::new(), Vec::new());
@@ -107,7 +106,7 @@ fn dense_cone(world: &World, tip: Point, bearing: f64, half: f64) -> f64 {
     ranges.fold(f64::INFINITY, f64::min)
 }
 
-/// In meters, for ranges up to 6.5 m: f32 in the query, 0.025° in the brute force.
+/// Tolerance for ranges up to 6.5 m: f32 in the query, 0.025° in the brute force.
 const CONE_TOLERANCE_M: f64 = 2e-5;
 
 #[test]
@@ -162,10 +161,10 @@ fn a_cone_sees_exactly_the_nearest_point_of_a_wall() {
     }
 }
 
-/// A transducer may see a side of a box that the robot's center does not: the cull must keep it.
+/// A transducer can see a side of a box that is not visible from the robot's center.
 #[test]
-fn faces_that_only_the_rim_sees_are_kept() {
-    // The top of the box lies 0.1 m above the center; the face of this sonar looks down on it.
+fn faces_visible_only_from_the_rim_are_kept() {
+    // The top of the box is at y = 0.1 m; the face of this sonar is above it.
     let world = world(vec![square(1.3, -0.9, 2.0, 0.0)]);
     let (bearing, half) = (40.0 * PI / 180.0, 60.0 * PI / 180.0);
     let axis = Point::unit(bearing);
@@ -179,9 +178,9 @@ fn faces_that_only_the_rim_sees_are_kept() {
 }
 
 #[test]
-fn the_back_of_a_solid_is_never_seen_and_a_thin_wall_is_from_both_sides() {
+fn a_thin_wall_is_visible_from_both_sides_and_a_solid_only_from_outside() {
     let cone = ConeShape::new(0.2);
-    // From inside a box every face looks away.
+    // Inside a box every face has its back to the center.
     let solid = world(vec![square(0.0, 0.0, 2.0, 0.3)]);
     let view = solid.view(Point::default(), 0.0, REACH_M);
     assert!(view.nearest_in_cone(Point::new(1.0, 0.0), cone) > 1e8);
@@ -194,7 +193,7 @@ fn the_back_of_a_solid_is_never_seen_and_a_thin_wall_is_from_both_sides() {
 }
 
 #[test]
-fn a_lobe_view_used_again_forgets_what_it_saw() {
+fn a_reused_lobe_view_discards_its_surfaces() {
     let near = world(vec![wall(&[(1.0, -1.0), (1.0, 1.0)])]);
     let west = SonarLobe {
         tip: Point::default(),
@@ -203,7 +202,7 @@ fn a_lobe_view_used_again_forgets_what_it_saw() {
         reach_m: REACH_M,
     };
     let mut view = LobeView::default();
-    let mut ask = |world: &World, lobe: &SonarLobe| {
+    let mut range = |world: &World, lobe: &SonarLobe| {
         world.aim(&mut view, lobe);
         view.cast(lobe.axis)
             .map_or(f64::INFINITY, |hit| hit.distance_m)
@@ -212,10 +211,10 @@ fn a_lobe_view_used_again_forgets_what_it_saw() {
         axis: Point::new(1.0, 0.0),
         ..west
     };
-    assert!(ask(&World::random(3), &west) <= 4.0);
-    assert_eq!(ask(&near, &west), f64::INFINITY);
-    assert_eq!(ask(&near, &east), 1.0);
-    assert_eq!(ask(&near, &west), f64::INFINITY);
+    assert!(range(&World::random(3), &west) <= 4.0);
+    assert_eq!(range(&near, &west), f64::INFINITY);
+    assert_eq!(range(&near, &east), 1.0);
+    assert_eq!(range(&near, &west), f64::INFINITY);
 }
 
 #[test]
@@ -235,7 +234,8 @@ fn clearance_and_inside() {
     }
 }
 
-/// Fine steps of 0.1 mm: the stop may differ by a step, the least gap by what one step changes.
+/// Compares with steps of 0.1 mm: the stop may differ by one step, the smallest gap by its change
+/// in one step.
 #[test]
 fn sweeps_agree_with_fine_steps() {
     let mut noise = Noise::new(5);
@@ -271,7 +271,7 @@ fn sweeps_agree_with_fine_steps() {
     assert!(touched > 30 && free > 30, "{touched} {free}");
 }
 
-/// Whether a path comes within a hair of touching, so that steps may miss what the formula sees.
+/// Whether a path nearly touches a surface, so that steps may miss the contact.
 fn grazes(world: &World, from: Point, way: Point) -> bool {
     let sweep = world.sweep(from, from + way, RADIUS - 1e-4);
     !sweep.touched() && sweep.min_clearance_m < 2e-4
@@ -296,7 +296,7 @@ fn a_disc_at_rest_against_a_wall_may_leave_and_slide_but_not_push() {
         assert!(go(0.1, 0.05).touched());
         let leave = go(-0.1, 0.0);
         assert!(!leave.touched() && (leave.traveled_m - 0.1).abs() < 1e-12);
-        // Within the slack is no touch, and what is too deep already may still get out.
+        // Within the slack there is no contact, and a disc that is too deep may still move out.
         assert!(!go(5e-7, 0.0).touched() && go(5e-6, 0.0).touched());
         let deep = at + Point::new(1e-3, 0.0);
         assert!(
@@ -326,7 +326,7 @@ fn a_fast_disc_does_not_jump_over_a_thin_wall() {
     ]);
     let sweep = world.sweep(Point::default(), Point::new(100.0, 0.0), RADIUS);
     assert!(sweep.touched() && (sweep.traveled_m - (1.0 - RADIUS)).abs() < 1e-4);
-    // In line with a wall, but not up to it: in line is not across.
+    // The path is collinear with a wall but ends before it.
     let short = world.sweep(Point::new(3.0, 0.0), Point::new(4.0, 0.0), RADIUS);
     assert!(!short.touched() && (short.min_clearance_m - (1.0 - RADIUS)).abs() < 1e-12);
     let end_on = world.sweep(Point::new(3.0, 0.0), Point::new(5.5, 0.0), RADIUS);

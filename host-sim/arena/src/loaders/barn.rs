@@ -18,11 +18,11 @@ use files::{MAX_INPUT_BYTES, read_text};
 
 /// Side of a cell, m; half of it is a cylinder's radius.
 const CELL_M: f64 = 0.15;
-/// Cells lie within so many of the origin.
+/// Largest index of a cell.
 const MAX_CELLS: u16 = 1_000;
-/// Where the robot starts.
+/// Start of the robot, m.
 const START_M: Point = Point::new(-2.0, 3.0);
-/// Where it is to go.
+/// Goal of the robot, m.
 const GOAL_M: Point = Point::new(-2.0, 13.0);
 
 /// One world of a published file, folder or table.
@@ -34,8 +34,8 @@ pub struct BarnSource {
     pub number: u32,
 }
 
-/// The worlds at `path` whose numbers lie in `wanted` (all for `None`), by number. A range may name
-/// worlds that are not there, as long as one is.
+/// The worlds at `path` with numbers in `wanted` (`None` = all), by number. At least one of them
+/// must exist.
 ///
 /// # Errors
 /// A path that cannot be read or holds no such world; a table with a bad row.
@@ -77,10 +77,10 @@ pub fn sources(
     Ok(numbers.into_iter().map(source).collect())
 }
 
-/// Reads `FILE#N`, `FILE#A..=B` or `FILE`, what follows `barn:` in a world's name.
+/// Parses `FILE#N`, `FILE#A..=B` or `FILE`: the part of a world's name after `barn:`.
 ///
 /// # Errors
-/// As [`sources`]; a number that is none, an empty range.
+/// As [`sources`]; an invalid number, an empty range.
 pub(super) fn parse(text: &str) -> Result<Vec<BarnSource>, BadInput> {
     let Some((path, numbers)) = text.rsplit_once('#') else {
         return sources(Path::new(text), None);
@@ -88,10 +88,10 @@ pub(super) fn parse(text: &str) -> Result<Vec<BarnSource>, BadInput> {
     sources(Path::new(path), Some(&range(numbers)?))
 }
 
-/// Reads `N` or `A..=B`.
+/// Parses `N` or `A..=B`.
 ///
 /// # Errors
-/// A number that is none, an empty range.
+/// An invalid number, an empty range.
 pub fn range(text: &str) -> Result<RangeInclusive<u32>, BadInput> {
     let number = |digits: &str| {
         let plain = !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit());
@@ -134,7 +134,7 @@ impl BarnSource {
 }
 
 impl std::fmt::Display for BarnSource {
-    /// As the user would name it.
+    /// As in a command: `barn:FILE#N`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "barn:{}#{}", self.path.display(), self.number)
     }
@@ -173,10 +173,10 @@ fn folder(path: &Path) -> Result<Vec<u32>, BadInput> {
     Ok(numbers)
 }
 
-/// A world's number and a filled cell of it.
-type Row = (u32, [u16; 2]);
+/// Number of a world, and one of its filled cells.
+type WorldCell = (u32, [u16; 2]);
 
-fn cells(path: &Path) -> Result<Vec<Row>, BadInput> {
+fn cells(path: &Path) -> Result<Vec<WorldCell>, BadInput> {
     let source = path.display().to_string();
     let text = read_text(path, MAX_INPUT_BYTES)?;
     let records = Records::parse(&source, &text, None)?;
@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_become_cylinders_where_they_belong() {
+    fn cells_become_cylinders_at_their_positions() {
         let (_folder, path) = put("cells.csv", CSV);
         let all = sources(&path, None).unwrap();
         assert_eq!(
@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_there_is_named() {
+    fn errors_name_what_is_missing() {
         let (_folder, path) = put("cells.csv", CSV);
         let name = path.display();
         for (text, why) in [

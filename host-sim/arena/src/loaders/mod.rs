@@ -1,6 +1,6 @@
-//! Where worlds come from: files, maps, seeds, and the worlds built into the program.
+//! Sources of worlds: files, maps, seeds, and built-in worlds.
 //!
-//! It adds constructors to [`World`]; the world itself knows nothing of them.
+//! Adds constructors to [`World`]; the world itself does not depend on them.
 
 use std::path::Path;
 

@@ -1,6 +1,6 @@
-//! A grid of occupied and free cells: its outlines, and a good place to start.
+//! Occupancy grid: outlines of the occupied cells, and a start position.
 
-/// What a map says about one of its cells.
+/// State of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum OccupancyCell {
     Free,
@@ -8,7 +8,7 @@ pub(crate) enum OccupancyCell {
     Unknown,
 }
 
-/// A map of square cells; cell (0, 0) is the lower left one, and whatever lies outside is unknown.
+/// A map of square cells. Cell (0, 0) is at the lower left; cells outside the map are unknown.
 #[derive(Debug, Clone)]
 pub(crate) struct Occupancy {
     pub width: usize,
@@ -37,8 +37,8 @@ impl Occupancy {
         self.cell(column, row) == OccupancyCell::Occupied
     }
 
-    /// The outlines of the occupied cells as the longest straight pieces, each with the free side
-    /// on its left. Unknown counts as free: only what was seen to be there is there.
+    /// Outlines of the occupied cells as maximal straight segments, each with the free side on its
+    /// left. Unknown cells count as free.
     pub fn outlines(&self) -> Vec<(GridPoint, GridPoint)> {
         let mut pieces = Vec::new();
         for row in 0..=self.height {
@@ -68,9 +68,9 @@ impl Occupancy {
         pieces
     }
 
-    /// The free cell to start from: among those at least `clearance` cells from anything occupied,
-    /// the one nearest to the middle of the free area; if there is none, the one with most room.
-    /// `None` when no cell is free.
+    /// The start: the free cell nearest to the middle of the free area with at least `clearance`
+    /// cells to every occupied cell. Without such a cell, the one with the largest clearance.
+    /// `None` if no cell is free.
     pub fn start(&self, clearance: u8) -> Option<GridPoint> {
         let middle = self.middle_of_free()?;
         let clearance = usize::from(clearance);
@@ -115,7 +115,7 @@ impl Occupancy {
         bounds.map(|(left, right, low, high)| (left + right, low + high))
     }
 
-    /// For each cell the rows to the nearest occupied cell of its column, at most `reach`.
+    /// By cell: distance in rows to the nearest occupied cell of its column, at most `reach`.
     fn column_distances(&self, reach: usize) -> Vec<u16> {
         let reach = u16::try_from(reach).unwrap_or(u16::MAX);
         let mut distances = vec![reach; self.cells.len()];
@@ -142,7 +142,8 @@ impl Occupancy {
     }
 }
 
-/// Calls `emit(from, to, solid_first)` for every longest run of places with exactly one solid side.
+/// Calls `emit(from, to, solid_first)` for every maximal run of positions with exactly one solid
+/// side.
 fn runs(
     count: usize,
     sides: impl Fn(usize) -> (bool, bool),
@@ -182,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn an_outline_is_made_of_the_longest_pieces_with_the_free_side_on_the_left() {
+    fn outlines_are_maximal_segments_with_the_free_side_on_the_left() {
         let mut pieces = map(&["....", ".##.", "...."]).outlines();
         pieces.sort_unstable();
         let expected = [
@@ -202,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn the_start_is_free_roomy_and_near_the_middle() {
+    fn the_start_is_free_and_near_the_middle() {
         let room = map(&[
             "#########",
             "#.......#",
@@ -212,11 +213,11 @@ mod tests {
             "#.......#",
             "#########",
         ]);
-        // The middle is the cell right of the block; with two cells of room it moves away from it.
+        // The middle is the cell right of the block; a clearance of two cells moves the start away.
         assert_eq!(room.start(1), Some((4, 3)));
         let (column, row) = room.start(2).unwrap();
         assert!(room.cell(column, row) == OccupancyCell::Free && column >= 5);
-        // More room than there is: the roomiest cell.
+        // No cell has this clearance: the start is the cell with the largest one.
         assert!(room.start(50).is_some());
         assert_eq!(map(&["##", "?#"]).start(1), None);
     }

@@ -1,4 +1,4 @@
-//! Random rooms: the same seed gives the same room, to the bit, everywhere.
+//! Random rooms: the same seed gives a bit-identical room on every machine.
 
 use crate::geometry::{Point, Pose};
 use crate::noise::Noise;
@@ -9,9 +9,9 @@ use crate::world::World;
 const ROOM_HALF_M: f64 = 4.0;
 /// Boxes in a room.
 const BOXES: usize = 12;
-/// Least and greatest half side of a box, m; each of its two sides is drawn on its own.
+/// Smallest and largest half side of a box, m; the two sides are drawn independently.
 const BOX_HALF_M: (f64, f64) = (0.15, 0.5);
-/// No box comes nearer to the center than this, m.
+/// Smallest distance of a box from the center, m.
 const FREE_RADIUS_M: f64 = 1.0;
 
 impl World {
@@ -28,7 +28,7 @@ impl World {
     }
 }
 
-/// A box inside the room, or none if the draw came too near to the center.
+/// A box inside the room; `None` if it would be too near to the center.
 fn random_box(noise: &mut Noise) -> Option<Shape> {
     let mut half = || noise.uniform_in(BOX_HALF_M.0, BOX_HALF_M.1);
     let half = Point::new(half(), half());

@@ -1,10 +1,10 @@
-//! Worlds made from a seed for the scenes of the behaviors; a robot that keeps its distance can
-//! cross all.
+//! Random worlds for the scenes of the behaviors. A robot that keeps its distance can cross all of
+//! them.
 
 use crate::noise::Noise;
 use crate::world::{Point, Pose, Shape, World};
 
-/// Gap between things that the robot can pass on either side, m.
+/// Gap between obstacles that the robot can pass, m.
 const PASSAGE_M: f64 = 1.8;
 
 /// A closed chain of walls through these points.
@@ -64,7 +64,7 @@ pub fn boxes(seed: u64) -> World {
     world("boxes", seed, Point::default(), shapes)
 }
 
-/// Against one of the walls, or somewhere in the middle and turned.
+/// Center and angle of a box: at a wall, or in the middle and turned.
 fn box_place(noise: &mut Noise, size: Point) -> (Point, f64) {
     let (side, along) = (noise.index(8), noise.uniform_in(-2.2, 2.2));
     let (dx, dy) = (4.0 - size.x / 2.0, 4.0 - size.y / 2.0);
@@ -129,7 +129,7 @@ pub fn six_boxes(seed: u64) -> World {
             angle: 0.0,
         });
     }
-    // Asked where the start may be: a place that is certainly free is found by trying.
+    // Draws starts until one is free.
     loop {
         let start = Point::new(noise.uniform_in(-3.4, 3.4), noise.uniform_in(-3.4, 3.4));
         let pose = Pose::new(start, 0.0);
@@ -227,7 +227,7 @@ mod tests {
             let world = with_exit(seed);
             let inside = inside(seed);
             assert!(world.clearance(inside) > 0.8, "{seed}");
-            // Somewhere between the room and the hall the way is free.
+            // There is a free path between the room and the hall.
             let free = (-30..10).any(|y| {
                 let y = f64::from(y) / 10.0;
                 let [from, to] = [-1.6, 1.0].map(|x| Point::new(x, y));

@@ -1,4 +1,4 @@
-//! What a user may name as a world: a file, a folder of files, random rooms, or a built-in one.
+//! Names of worlds: a file, a folder of files, random rooms, or a built-in world.
 
 use std::path::{Path, PathBuf};
 
@@ -7,10 +7,10 @@ use super::builtin;
 use crate::world::World;
 use files::error::{BadInput, suggestion};
 
-/// Most rooms one range may name.
+/// Maximum number of rooms in a range.
 const MAX_RANGE: u64 = 1_000_000;
 
-/// A world that is not built yet: cheap to hold by the million, and to build on any thread.
+/// A world that is not built yet. It is small, and can be built on any thread.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum WorldSource {
     /// A world file or a map.
@@ -39,7 +39,7 @@ impl WorldSource {
 }
 
 impl std::fmt::Display for WorldSource {
-    /// As the user would name it.
+    /// The name that [`parse_worlds`] accepts.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::File(path) => write!(f, "{}", path.display()),
@@ -148,7 +148,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_way_to_name_a_world() {
+    fn all_names_of_worlds_are_parsed() {
         assert_eq!(
             parse_worlds("paper").unwrap(),
             [WorldSource::Builtin("paper")]
@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn what_names_no_world_is_explained() {
+    fn invalid_names_give_a_specific_error() {
         let folder = tempfile::tempdir().unwrap();
         for (text, words) in [
             ("paepr", "did you mean \"paper\"?"),

@@ -16,7 +16,7 @@ use files::error::BadInput;
 use files::toml_reader::{Finite, Keyed, TomlText, TwoNumbers};
 use files::{MAX_INPUT_BYTES, read_text};
 
-/// Longest range of a sonar, 255 in, m.
+/// Maximum range of a sonar, 255 in, m.
 const SONAR_RANGE_M: f64 = 6.477;
 
 #[derive(Deserialize)]
@@ -62,7 +62,7 @@ struct CircleTable {
     radius_m: Spanned<Finite>,
 }
 
-/// Loads the world file at `path`; without a `name` of its own the world is called after the file.
+/// Loads the world file at `path`. Without a `name`, the world gets the name of the file.
 pub(super) fn load(path: &Path) -> Result<World, BadInput> {
     let text = read_text(path, MAX_INPUT_BYTES)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
@@ -116,7 +116,7 @@ impl StartTable {
 }
 
 impl WallTable {
-    /// The shape, and what to point at when it has a defect.
+    /// The shape, and the span of the text for errors.
     fn shape(&self) -> (Shape, Range<usize>) {
         let points = self.points_m.get_ref().iter().copied().map(point);
         let points = points.collect();
@@ -155,10 +155,11 @@ fn radians(Finite(degrees): Finite) -> f64 {
     degrees * (core::f64::consts::PI / 180.0)
 }
 
-/// What is wrong with a start outside the walls: the robot would drive around the world, not in it.
-/// Where walls close, one of them must go around the start, or the start lie in the bounding box of
-/// those that stay open. Where all stay open, it must lie at most a sonar's range outside the
-/// bounding box of all shapes. Without any wall there is no outside.
+/// The error of a start outside the walls; `None` for a valid start.
+///
+/// If walls are closed, one of them must enclose the start, or the start must be in the bounding
+/// box of the open walls. If all walls are open, it may be at most a sonar's range outside the
+/// bounding box of all shapes. Without walls every start is valid.
 fn outside(world: &World) -> Option<String> {
     let walls = world.shapes().iter().filter_map(|shape| match shape {
         Shape::Wall { points } => Some(points.as_slice()),
@@ -190,7 +191,7 @@ fn outside(world: &World) -> Option<String> {
     })
 }
 
-/// Whether a closed wall goes around a place: a ray from there crosses it an odd number of times.
+/// Whether a closed wall encloses a point: a ray from there crosses it an odd number of times.
 fn encloses(wall: &[Point], place: Point) -> bool {
     let is_crossed = |pair: &&[Point]| match pair {
         [from, to] if (from.y > place.y) != (to.y > place.y) => {
@@ -202,7 +203,7 @@ fn encloses(wall: &[Point], place: Point) -> bool {
     wall.windows(2).filter(is_crossed).count() % 2 == 1
 }
 
-/// The lowest and the highest coordinates of points; without any, a box that nothing lies in.
+/// Bounding box of points; without points, a box that contains nothing.
 fn box_around(points: &[Point]) -> (Point, Point) {
     let nothing = f64::INFINITY;
     let (mut low, mut high) = (Point::new(nothing, nothing), Point::new(-nothing, -nothing));
@@ -213,7 +214,7 @@ fn box_around(points: &[Point]) -> (Point, Point) {
     (low, high)
 }
 
-/// Whether a place lies in a box, or at most `margin` outside it.
+/// Whether a point is in a box, or at most `margin` outside it.
 fn lies_in(place: Point, (low, high): (Point, Point), margin: f64) -> bool {
     let within = |at: f64, low: f64, high: f64| (low - margin..=high + margin).contains(&at);
     within(place.x, low.x, high.x) && within(place.y, low.y, high.y)

@@ -1,7 +1,7 @@
-//! The caster against the reference model, to the bit.
+//! The caster compared with the reference model, bit by bit.
 
 use super::Reference;
-use super::worlds::worlds;
+use super::worlds::{test_world, test_world_with_post};
 use crate::caster::{ConeShape, LobeView, SonarLobe, Surface};
 use crate::geometry::Point;
 use crate::noise::Noise;
@@ -10,16 +10,11 @@ use core::f64::consts::TAU;
 const REACH_M: f64 = 6.477;
 
 #[test]
-fn moves_have_the_bits_of_the_reference() {
+fn sweeps_equal_the_reference() {
     let mut touched = 0;
     for seed in 0..24 {
-        let (world, places) = worlds(seed);
-        let world = if seed % 5 == 0 {
-            world.with_post(places[0], 0.269)
-        } else {
-            world
-        };
-        let (reference, mut noise) = (Reference::of(&world), Noise::new(seed));
+        let (world, places) = test_world_with_post(seed);
+        let (reference, mut noise) = (Reference::new(&world), Noise::new(seed));
         for place in places {
             let mut at = place;
             for step in 0..12 {
@@ -42,12 +37,12 @@ fn moves_have_the_bits_of_the_reference() {
     assert!(touched > 300, "{touched}");
 }
 
-/// Short strides one after another.
+/// Random walks of short steps.
 #[test]
-fn walks_have_the_bits_of_the_reference() {
+fn walks_equal_the_reference() {
     for seed in 0..16 {
-        let (world, places) = worlds(seed);
-        let (reference, mut noise) = (Reference::of(&world), Noise::new(seed));
+        let (world, places) = test_world(seed);
+        let (reference, mut noise) = (Reference::new(&world), Noise::new(seed));
         for place in places {
             let (mut at, mut angle) = (place, noise.uniform_in(0.0, TAU));
             for _ in 0..200 {
@@ -62,17 +57,12 @@ fn walks_have_the_bits_of_the_reference() {
 }
 
 #[test]
-fn cones_have_the_bits_of_the_reference() {
+fn cones_equal_the_reference() {
     let mut near = 0;
     let cone = ConeShape::new(0.21);
     for seed in 0..24 {
-        let (world, places) = worlds(seed);
-        let world = if seed % 5 == 0 {
-            world.with_post(places[0], 0.269)
-        } else {
-            world
-        };
-        let reference = Reference::of(&world);
+        let (world, places) = test_world_with_post(seed);
+        let reference = Reference::new(&world);
         for (i, place) in places.into_iter().enumerate() {
             for step in 0..4 {
                 let middle = place + Point::new(0.2, 0.1) * f64::from(step);
@@ -91,17 +81,12 @@ fn cones_have_the_bits_of_the_reference() {
 }
 
 #[test]
-fn rays_have_the_bits_of_the_reference() {
+fn rays_equal_the_reference() {
     let (mut lobe, mut met) = (LobeView::default(), 0);
     let cone = ConeShape::new(0.26);
     for seed in 0..24 {
-        let (world, places) = worlds(seed);
-        let world = if seed % 5 == 0 {
-            world.with_post(places[0], 0.269)
-        } else {
-            world
-        };
-        let reference = Reference::of(&world);
+        let (world, places) = test_world_with_post(seed);
+        let reference = Reference::new(&world);
         for (i, place) in places.into_iter().enumerate() {
             let bearing = std::f64::consts::FRAC_PI_8 * i as f64;
             let axis = Point::unit(bearing);
@@ -122,18 +107,24 @@ fn rays_have_the_bits_of_the_reference() {
                     .cast(direction)
                     .map(|hit| (hit.distance_m, hit.number, hit.cos_incidence));
                 let hit = expected.cast(direction);
-                let hit = hit.map(|hit| (hit.way, hit.number, hit.cos_incidence));
+                let hit = hit.map(|hit| (hit.distance_m, hit.number, hit.cos_incidence));
                 met += u32::from(hit.is_some());
                 assert_eq!(found, hit, "{seed} {place:?} {direction:?}");
-                let whole = world.cast(place, direction);
-                let number = whole.map(|hit| match hit.surface {
+                let world_hit = world.cast(place, direction);
+                let number = world_hit.map(|hit| match hit.surface {
                     Surface::Face(index) => index as f64,
                     Surface::Circle(index) => 1e9 + index as f64,
                 });
                 let expected = reference.cast(place, direction);
-                assert_eq!(number, expected.map(|met| met.number), "{seed} {place:?}");
-                assert_eq!(whole.map(|hit| hit.distance_m), expected.map(|met| met.way));
-                assert_eq!(whole.map(|hit| hit.normal), expected.map(|met| met.normal));
+                assert_eq!(number, expected.map(|hit| hit.number), "{seed} {place:?}");
+                assert_eq!(
+                    world_hit.map(|hit| hit.distance_m),
+                    expected.map(|hit| hit.distance_m)
+                );
+                assert_eq!(
+                    world_hit.map(|hit| hit.normal),
+                    expected.map(|hit| hit.normal)
+                );
             }
             let mut corners: Vec<_> = lobe
                 .corners(0.0, REACH_M)

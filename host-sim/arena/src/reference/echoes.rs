@@ -1,7 +1,7 @@
-//! The first echo of a transducer against the reference model, ray by ray, to the bit.
+//! The first echo of a transducer compared with the reference model, bit by bit.
 
-use super::worlds::worlds;
-use super::{Met, Reference, ReferenceLobe};
+use super::worlds::{test_world, test_world_with_post};
+use super::{Reference, ReferenceHit, ReferenceLobe};
 use crate::caster::{ConeShape, LobeView, SonarLobe};
 use crate::geometry::{Point, Pose};
 use crate::noise::Noise;
@@ -11,61 +11,75 @@ use crate::sonar::{Hearing, SonarConfig, SonarModel};
 use crate::world::World;
 use core::f64::consts::{FRAC_PI_2, TAU};
 
-struct Echoes<'a> {
+/// The first echo of a transducer by casting every ray.
+struct EchoSearch<'a> {
     world: &'a Reference,
+    aimed: SonarLobe,
     lobe: ReferenceLobe,
     config: SonarConfig,
-    /// Number and nearest answer of each surface.
-    answers: Vec<(f64, f64)>,
-    offers: Vec<f64>,
+    /// Number and nearest echo of each surface, m.
+    surface_echoes: Vec<(f64, f64)>,
+    ranges: Vec<f64>,
 }
 
-impl Echoes<'_> {
-    fn answers_from(&self, met: &Met) -> bool {
-        met.number >= 1e9 || met.cos_incidence >= libm::cos(self.config.max_incidence_rad)
+impl<'a> EchoSearch<'a> {
+    fn new(world: &'a Reference, aimed: &SonarLobe, config: SonarConfig) -> Self {
+        Self {
+            world,
+            aimed: *aimed,
+            lobe: world.lobe(aimed.tip, aimed.axis, aimed.cone, config.max_range_m),
+            config,
+            surface_echoes: Vec::new(),
+            ranges: Vec::new(),
+        }
     }
 
-    fn follow(&mut self, tip: Point, direction: Point, bounces: usize) {
-        let Some(met) = self.lobe.cast(direction) else {
+    fn returns_echo(&self, hit: &ReferenceHit) -> bool {
+        hit.number >= 1e9 || hit.cos_incidence >= libm::cos(self.config.max_incidence_rad)
+    }
+
+    fn follow_ray(&mut self, direction: Point, bounces: usize) {
+        let Some(hit) = self.lobe.cast(direction) else {
             return;
         };
-        if self.answers_from(&met) {
+        if self.returns_echo(&hit) {
             match self
-                .answers
+                .surface_echoes
                 .iter_mut()
-                .find(|(known, _)| *known == met.number)
+                .find(|(known, _)| *known == hit.number)
             {
-                Some((_, nearest)) => *nearest = nearest.min(met.way),
-                None => self.answers.push((met.number, met.way)),
+                Some((_, nearest)) => *nearest = nearest.min(hit.distance_m),
+                None => self.surface_echoes.push((hit.number, hit.distance_m)),
             }
             return;
         }
-        let (mut at, mut direction, mut met) = (tip, direction, met);
-        let mut way = met.way;
+        let (mut at, mut direction, mut hit) = (self.aimed.tip, direction, hit);
+        let mut total_m = hit.distance_m;
         for _ in 0..bounces {
-            at = at + direction * met.way;
-            direction = direction - met.normal * (2.0 * direction.dot(met.normal));
+            at = at + direction * hit.distance_m;
+            direction = direction - hit.normal * (2.0 * direction.dot(hit.normal));
             let Some(next) = self.world.cast(at, direction) else {
                 return;
             };
-            way += next.way;
-            if self.answers_from(&next) {
-                return self.offers.push(way);
+            total_m += next.distance_m;
+            if self.returns_echo(&next) {
+                return self.ranges.push(total_m);
             }
-            met = next;
+            hit = next;
         }
     }
 
-    fn first(mut self, tip: Point, axis: Point) -> Option<f64> {
+    fn first_echo(mut self) -> Option<f64> {
+        let axis = self.aimed.axis;
         let half = self.config.half_angle_rad;
         let step = 2.0 * half / (self.config.fan_rays - 1) as f64;
         for ray in 0..self.config.fan_rays {
             let direction = Point::unit(step * ray as f64 - half).turned(axis);
-            self.follow(tip, direction, self.config.bounces);
+            self.follow_ray(direction, self.config.bounces);
         }
         for direction in self.lobe.promising() {
             if direction.dot(axis) >= libm::cos(half) {
-                self.follow(tip, direction, 0);
+                self.follow_ray(direction, 0);
             }
         }
         for &corner in &self.lobe.corners {
@@ -75,19 +89,19 @@ impl Echoes<'_> {
             } else {
                 axis
             };
-            let hidden = |met: Met| met.way < range - 1e-6;
-            if !self.lobe.cast(towards).is_some_and(hidden) {
-                self.offers.push(range);
+            let hides = |hit: ReferenceHit| hit.distance_m < range - 1e-6;
+            if !self.lobe.cast(towards).is_some_and(hides) {
+                self.ranges.push(range);
             }
         }
-        self.offers
-            .extend(self.answers.iter().map(|(_, range)| *range));
+        self.ranges
+            .extend(self.surface_echoes.iter().map(|(_, range)| *range));
         let limits = self.config.blanking_m..=self.config.max_range_m;
-        let heard = self
-            .offers
+        let in_limits = self
+            .ranges
             .into_iter()
             .filter(|range| limits.contains(range));
-        heard.reduce(f64::min)
+        in_limits.reduce(f64::min)
     }
 }
 
@@ -101,44 +115,27 @@ fn lobe_at(middle: Point, axis: Point, config: &SonarConfig) -> SonarLobe {
 }
 
 #[test]
-fn echoes_have_the_bits_of_the_reference() {
+fn echoes_equal_the_reference() {
     let mut counts = [0, 0];
     for seed in 0..32 {
-        let (world, places) = worlds(seed);
-        let world = if seed % 5 == 0 {
-            world.with_post(places[0], 0.269)
-        } else {
-            world
-        };
-        let (reference, mut noise) = (Reference::of(&world), Noise::new(seed));
+        let (world, places) = test_world_with_post(seed);
+        let (reference, mut noise) = (Reference::new(&world), Noise::new(seed));
         for model in [SonarModel::Nomad, SonarModel::Harsh] {
             let config = model.config();
-            let cone = ConeShape::new(config.half_angle_rad);
             let mut hearing = Hearing::new(&config, config.half_angle_rad);
             let mut lobes = vec![LobeView::default(); 8];
             for &place in &places {
                 for sensor in 0..8 {
                     let off = if seed % 3 == 0 { noise.uniform() } else { 0.0 };
                     let axis = Point::unit(TAU * f64::from(sensor) / 8.0 + off);
-                    let tip = place + axis * FACE_RADIUS_M;
                     let lobe = &mut lobes[sensor as usize];
                     world.aim(lobe, &lobe_at(place, axis, &config));
-                    let heard = hearing.first_echo(&world, lobe, &config);
-                    let echoes = Echoes {
-                        world: &reference,
-                        lobe: reference.lobe(tip, axis, cone, config.max_range_m),
-                        config,
-                        answers: Vec::new(),
-                        offers: Vec::new(),
-                    };
-                    let expected = echoes.first(tip, axis);
-                    assert_eq!(
-                        heard,
-                        expected,
-                        "{seed} {place:?} {sensor} {}",
-                        model.name()
-                    );
-                    counts[usize::from(heard.is_some())] += 1;
+                    let echo = hearing.first_echo(&world, lobe, &config);
+                    let expected =
+                        EchoSearch::new(&reference, &lobe_at(place, axis, &config), config)
+                            .first_echo();
+                    assert_eq!(echo, expected, "{seed} {place:?} {sensor} {}", model.name());
+                    counts[usize::from(echo.is_some())] += 1;
                 }
             }
         }
@@ -146,17 +143,13 @@ fn echoes_have_the_bits_of_the_reference() {
     assert!(counts[0] > 100 && counts[1] > 4_000, "{counts:?}");
 }
 
-/// A wall that bends too little for a corner, its bend nearest, and another wall behind it: a ray
-/// towards the hidden wall finds the bend better than the fan does.
+/// A wall with a bend too small for a corner hides another wall. The ray towards the hidden wall
+/// hits nearer to the bend than the rays of the fan.
 #[test]
-fn hidden_walls_guide_rays_as_in_the_reference() {
+fn rays_towards_hidden_walls_equal_the_reference() {
     let (config, axis) = (SonarModel::Nomad.config(), Point::new(1.0, 0.0));
-    let (half, reach, tip) = (
-        config.half_angle_rad,
-        config.max_range_m,
-        axis * FACE_RADIUS_M,
-    );
-    let (mut noise, mut guided) = (Noise::new(1), 0);
+    let (half, tip) = (config.half_angle_rad, axis * FACE_RADIUS_M);
+    let (mut noise, mut differing) = (Noise::new(1), 0);
     for _ in 0..300 {
         let bearing = noise.uniform_in(-0.2, 0.2);
         let wall = |at: Point, bearing: f64, bend: f64| Shape::Wall {
@@ -172,34 +165,28 @@ fn hidden_walls_guide_rays_as_in_the_reference() {
         let [alone, both] = [vec![bent.clone()], vec![bent, hidden]].map(|shapes| {
             let world = World::new("test", Pose::default(), shapes).expect("a sound world");
             let mut hearing = Hearing::new(&config, half);
-            let (mut lobe, cone) = (LobeView::default(), ConeShape::new(half));
+            let mut lobe = LobeView::default();
             world.aim(&mut lobe, &lobe_at(Point::default(), axis, &config));
-            let heard = hearing.first_echo(&world, &mut lobe, &config);
-            let reference = Reference::of(&world);
-            let echoes = Echoes {
-                world: &reference,
-                lobe: reference.lobe(tip, axis, cone, reach),
-                config,
-                answers: Vec::new(),
-                offers: Vec::new(),
-            };
-            assert_eq!(heard, echoes.first(tip, axis), "{bearing} {behind}");
-            heard
+            let echo = hearing.first_echo(&world, &mut lobe, &config);
+            let reference = Reference::new(&world);
+            let aimed = lobe_at(Point::default(), axis, &config);
+            let expected = EchoSearch::new(&reference, &aimed, config).first_echo();
+            assert_eq!(echo, expected, "{bearing} {behind}");
+            echo
         });
-        guided += u32::from(alone != both);
+        differing += u32::from(alone != both);
     }
-    assert!(guided > 100, "{guided}");
+    assert!(differing > 100, "{differing}");
 }
 
-/// A robot that comes again and again to the same places, its turret held and then turned.
+/// A robot returns to the same positions, first with a held turret, then with a turned one.
 #[test]
-fn a_robot_that_comes_again_hears_what_the_reference_hears() {
+fn echoes_of_returning_robots_equal_the_reference() {
     let config = SonarModel::Nomad.config();
-    let cone = ConeShape::new(config.half_angle_rad);
-    let mut heard_any = 0;
+    let mut echo_count = 0;
     for seed in 0..4 {
-        let (world, places) = worlds(seed);
-        let (reference, mut noise) = (Reference::of(&world), Noise::new(seed));
+        let (world, places) = test_world(seed);
+        let (reference, mut noise) = (Reference::new(&world), Noise::new(seed));
         let mut hearing = Hearing::new(&config, config.half_angle_rad);
         let mut views = vec![LobeView::default(); 8];
         for turn in [0.0, 0.3] {
@@ -211,20 +198,13 @@ fn a_robot_that_comes_again_hears_what_the_reference_hears() {
                     let lobe = lobe_at(middle, axis, &config);
                     let view = &mut views[sensor];
                     world.aim(view, &lobe);
-                    let heard = hearing.first_echo(&world, view, &config);
-                    let echoes = Echoes {
-                        world: &reference,
-                        lobe: reference.lobe(lobe.tip, axis, cone, config.max_range_m),
-                        config,
-                        answers: Vec::new(),
-                        offers: Vec::new(),
-                    };
-                    let expected = echoes.first(lobe.tip, axis);
-                    assert_eq!(heard, expected, "{seed} {walk} {sensor} {turn}");
-                    heard_any += u32::from(heard.is_some());
+                    let echo = hearing.first_echo(&world, view, &config);
+                    let expected = EchoSearch::new(&reference, &lobe, config).first_echo();
+                    assert_eq!(echo, expected, "{seed} {walk} {sensor} {turn}");
+                    echo_count += u32::from(echo.is_some());
                 }
             }
         }
     }
-    assert!(heard_any > 1_000, "{heard_any}");
+    assert!(echo_count > 1_000, "{echo_count}");
 }

@@ -1,6 +1,6 @@
-//! The reference model of the caster: every query looks at all surfaces, one after the other.
+//! The reference model of the caster: every query tests all surfaces.
 //!
-//! It is slow and only for tests. The caster's answers must have the same bits.
+//! It is slow and only for tests. The caster's results must be bit-identical.
 
 use crate::caster::{ConeShape, Path, Sweep, circle_in_cone, touch_circle, touch_face};
 use crate::geometry::{Point, clamp, max, min};
@@ -11,28 +11,28 @@ mod caster;
 mod echoes;
 pub(crate) mod worlds;
 
-/// What a ray met: way, m, the number of the thing, cosine of the incidence (1 for circles).
+/// The first hit of a ray: number of the surface and cosine of the incidence (1 for circles).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Met {
-    pub way: f64,
+pub(crate) struct ReferenceHit {
+    pub distance_m: f64,
     pub number: f64,
     pub cos_incidence: f64,
     pub normal: Point,
 }
 
-/// All things of a world, in its order.
+/// All surfaces of a world, in its order.
 pub(crate) struct Reference {
     faces: Vec<Face>,
     circles: Vec<Circle>,
     corners: Vec<Point>,
 }
 
-/// A face of a lobe: itself, `p` and `q`.
-type Seen = (Face, f64, f64);
+/// A face relative to the tip of a lobe: the face, `p` and `q`.
+type RelativeFace = (Face, f64, f64);
 
-/// What one lobe can meet.
+/// The surfaces in one lobe.
 pub(crate) struct ReferenceLobe {
-    faces: Vec<Seen>,
+    faces: Vec<RelativeFace>,
     circles: Vec<Circle>,
     /// Relative to the tip.
     pub corners: Vec<Point>,
@@ -43,13 +43,13 @@ fn towards(face: &Face) -> Point {
 }
 
 impl Reference {
-    pub(crate) fn of(world: &World) -> Self {
+    pub(crate) fn new(world: &World) -> Self {
         let mut corners = Vec::new();
-        let solid = world.shapes().iter();
-        solid.for_each(|shape| shape.for_each_corner(|corner| corners.push(corner)));
+        let shapes = world.shapes().iter();
+        shapes.for_each(|shape| shape.for_each_corner(|corner| corners.push(corner)));
         Self {
             faces: list_faces(world.shapes()),
-            // Posts stand last among the shapes.
+            // Posts are the last shapes.
             circles: list_circles(world.shapes()),
             corners,
         }
@@ -95,15 +95,15 @@ impl Reference {
             .reduce(|a, b| if b.0 < a.0 { b } else { a })
         {
             None => free,
-            Some((way, contact)) => Sweep {
-                traveled_m: min(way, path.length),
+            Some((traveled_m, contact)) => Sweep {
+                traveled_m: min(traveled_m, path.length),
                 contact: Some(contact),
                 min_clearance_m: 0.0,
             },
         }
     }
 
-    /// As [`ConeView`](crate::caster::ConeView), in f32 beyond the choice of what may answer.
+    /// As [`ConeView`](crate::caster::ConeView): selects faces in f64 and measures them in f32.
     pub(crate) fn nearest_in_cone(
         &self,
         middle: Point,
@@ -139,15 +139,15 @@ impl Reference {
         cone: ConeShape,
         reach: f64,
     ) -> ReferenceLobe {
-        let seen = |face: &Face| {
+        let relative = |face: &Face| {
             let offset = face.a - tip;
             (*face, offset.dot(face.u), offset.cross(face.u))
         };
         let faces = self
             .faces
             .iter()
-            .map(seen)
-            .filter(|seen| in_cone(seen, axis, cone, reach));
+            .map(relative)
+            .filter(|face| in_cone(face, axis, cone, reach));
         let circles = self.circles.iter().map(|circle| Circle {
             center: circle.center - tip,
             ..*circle
@@ -168,18 +168,18 @@ impl Reference {
         }
     }
 
-    /// As [`World::cast`], with its order of things met at the same distance.
-    pub(crate) fn cast(&self, origin: Point, direction: Point) -> Option<Met> {
+    /// As [`World::cast`], with its order of surfaces at the same distance.
+    pub(crate) fn cast(&self, origin: Point, direction: Point) -> Option<ReferenceHit> {
         let mut faces = self.faces.clone();
         faces.sort_by_key(|face| (face.number as usize % 8, face.number as usize));
-        let met = |face: &Face| {
+        let hit = |face: &Face| {
             let offset = face.a - origin;
             let (p, q) = (offset.dot(face.u), offset.cross(face.u));
             let cos = direction.cross(face.u);
             let along = q * direction.dot(face.u);
             let beyond = max(p * cos - along, along - (p + face.length) * cos);
-            (q > 1e-9 && cos > 0.0 && beyond <= 0.0).then(|| Met {
-                way: q / cos,
+            (q > 1e-9 && cos > 0.0 && beyond <= 0.0).then(|| ReferenceHit {
+                distance_m: q / cos,
                 number: face.number,
                 cos_incidence: direction.dot(towards(face)),
                 normal: -towards(face),
@@ -190,20 +190,20 @@ impl Reference {
                 center: circle.center - origin,
                 ..*circle
             };
-            meet_circle(&circle, direction).filter(|met| met.way > 1e-9)
+            hit_circle(&circle, direction).filter(|hit| hit.distance_m > 1e-9)
         });
-        nearest(faces.iter().filter_map(met).chain(circles))
+        nearest(faces.iter().filter_map(hit).chain(circles))
     }
 }
 
 impl ReferenceLobe {
-    pub(crate) fn cast(&self, direction: Point) -> Option<Met> {
-        let met = |(face, p, q): &Seen| {
+    pub(crate) fn cast(&self, direction: Point) -> Option<ReferenceHit> {
+        let hit = |(face, p, q): &RelativeFace| {
             let cos = direction.dot(towards(face));
             let along = q * direction.dot(face.u);
             let (from, to) = (p * cos, (p + face.length) * cos);
-            (cos > 0.0 && along >= from && along <= to).then(|| Met {
-                way: q / cos,
+            (cos > 0.0 && along >= from && along <= to).then(|| ReferenceHit {
+                distance_m: q / cos,
                 number: face.number,
                 cos_incidence: cos,
                 normal: -towards(face),
@@ -212,8 +212,8 @@ impl ReferenceLobe {
         let circles = self
             .circles
             .iter()
-            .filter_map(|circle| meet_circle(circle, direction));
-        nearest(self.faces.iter().filter_map(met).chain(circles))
+            .filter_map(|circle| hit_circle(circle, direction));
+        nearest(self.faces.iter().filter_map(hit).chain(circles))
     }
 
     pub(crate) fn promising(&self) -> Vec<Point> {
@@ -231,23 +231,23 @@ impl ReferenceLobe {
     }
 }
 
-fn nearest(met: impl Iterator<Item = Met>) -> Option<Met> {
-    met.reduce(|a, b| if b.way < a.way { b } else { a })
+fn nearest(hits: impl Iterator<Item = ReferenceHit>) -> Option<ReferenceHit> {
+    hits.reduce(|a, b| if b.distance_m < a.distance_m { b } else { a })
 }
 
-fn meet_circle(circle: &Circle, direction: Point) -> Option<Met> {
+fn hit_circle(circle: &Circle, direction: Point) -> Option<ReferenceHit> {
     let across = direction.cross(circle.center);
     let depth = circle.radius * circle.radius - across * across;
-    let way = direction.dot(circle.center) - max(depth, 0.0).sqrt();
-    (depth >= 0.0 && way > 0.0).then(|| Met {
-        way,
+    let distance_m = direction.dot(circle.center) - max(depth, 0.0).sqrt();
+    (depth >= 0.0 && distance_m > 0.0).then(|| ReferenceHit {
+        distance_m,
         number: circle.number,
         cos_incidence: 1.0,
-        normal: (direction * way - circle.center) * (1.0 / circle.radius),
+        normal: (direction * distance_m - circle.center) * (1.0 / circle.radius),
     })
 }
 
-fn in_cone((face, p, q): &Seen, axis: Point, cone: ConeShape, reach: f64) -> bool {
+fn in_cone((face, p, q): &RelativeFace, axis: Point, cone: ConeShape, reach: f64) -> bool {
     let (axis_u, axis_n) = (axis.dot(face.u), axis.dot(towards(face)));
     let meets = |u: f64, n: f64, beyond: f64| if n > 0.0 { q * u / n } else { beyond };
     let left_n = axis_n * cone.cos - axis_u * cone.sin;
@@ -264,7 +264,7 @@ fn in_cone((face, p, q): &Seen, axis: Point, cone: ConeShape, reach: f64) -> boo
     *q > 0.0 && max(left_n, right_n) > 0.0 && from <= to && near
 }
 
-/// Squared distance of a face within a cone, m²; 1e18 for none.
+/// Squared distance of a face within a cone, m²; 1e18 if it is not in the cone.
 fn in_cone_f32(face: &Face, p: f64, q: f64, axis: Point, offset_m: f64, cone: ConeShape) -> f32 {
     let (ux, uy, length) = (face.u.x as f32, face.u.y as f32, face.length as f32);
     let (cx, cy, offset) = (axis.x as f32, axis.y as f32, offset_m as f32);

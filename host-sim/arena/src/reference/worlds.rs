@@ -1,4 +1,4 @@
-//! Worlds of every kind, for comparisons with the reference model.
+//! Random test worlds of all kinds, for comparisons with the reference model.
 
 use crate::geometry::{Point, Pose};
 use crate::loaders::occupancy::{Occupancy, OccupancyCell};
@@ -6,10 +6,22 @@ use crate::noise::Noise;
 use crate::shapes::Shape;
 use crate::world::World;
 
-/// Worlds of every kind and size, by number: cluttered rooms, maps of cells (many pieces of one
-/// line, many shared ends), rows of many rooms, fields of posts, crowds of small boxes. With places
-/// in and about them, some on lines and corners.
-pub(crate) fn worlds(seed: u64) -> (World, Vec<Point>) {
+/// As [`test_world`]; every fifth world has a movable post at its first position.
+pub(crate) fn test_world_with_post(seed: u64) -> (World, Vec<Point>) {
+    let (world, positions) = test_world(seed);
+    let world = if seed.is_multiple_of(5) {
+        world.with_post(positions[0], 0.269)
+    } else {
+        world
+    };
+    (world, positions)
+}
+
+/// A world, and positions in and near it, some of them on lines and corners.
+///
+/// By seed: maps of cells (many collinear segments, many shared ends), a cluttered room, a row of
+/// rooms, a field of posts, or many small boxes.
+pub(crate) fn test_world(seed: u64) -> (World, Vec<Point>) {
     let mut noise = Noise::new(seed);
     let mut shapes = Vec::new();
     let side = match seed % 6 {
@@ -17,22 +29,22 @@ pub(crate) fn worlds(seed: u64) -> (World, Vec<Point>) {
         1 => rooms(&mut noise, &mut shapes, 1),
         2 => rooms(&mut noise, &mut shapes, 6),
         3 => posts(&mut noise, &mut shapes),
-        4 => crowd(&mut noise, &mut shapes, 0.0),
-        _ => crowd(&mut noise, &mut shapes, 0.5),
+        4 => small_boxes(&mut noise, &mut shapes, 0.0),
+        _ => small_boxes(&mut noise, &mut shapes, 0.5),
     };
     let world = World::unchecked("test".into(), Pose::default(), shapes);
-    let place =
+    let random_position =
         |noise: &mut Noise| Point::new(noise.uniform_in(-4.5, side), noise.uniform_in(-4.5, 4.5));
-    let places = (0..12).map(|i| {
-        let Point { x, y } = place(&mut noise);
+    let positions = (0..12).map(|i| {
+        let Point { x, y } = random_position(&mut noise);
         match i % 3 {
             0 => Point::new(libm::rint(x * 4.0) / 4.0, y),
             1 => Point::new(libm::rint(x * 4.0) / 4.0, libm::rint(y * 4.0) / 4.0),
             _ => Point::new(x, y),
         }
     });
-    let places = places.collect();
-    (world, places)
+    let positions = positions.collect();
+    (world, positions)
 }
 
 fn cells(noise: &mut Noise, shapes: &mut Vec<Shape>) -> f64 {
@@ -59,11 +71,11 @@ fn cells(noise: &mut Noise, shapes: &mut Vec<Shape>) -> f64 {
 
 fn rooms(noise: &mut Noise, shapes: &mut Vec<Shape>, count: u64) -> f64 {
     for room in 0..count {
-        let by = Point::new(8.0 * room as f64, 0.0);
+        let offset = Point::new(8.0 * room as f64, 0.0);
         for shape in World::random(noise.next_u64() % 1_000).shapes() {
             shapes.push(match shape {
                 Shape::Box { center, size, .. } => Shape::Box {
-                    center: *center + by,
+                    center: *center + offset,
                     size: *size,
                     angle: if noise.chance(0.3) {
                         noise.uniform()
@@ -72,13 +84,13 @@ fn rooms(noise: &mut Noise, shapes: &mut Vec<Shape>, count: u64) -> f64 {
                     },
                 },
                 Shape::Wall { points } => Shape::Wall {
-                    points: points.iter().map(|&point| point + by).collect(),
+                    points: points.iter().map(|&point| point + offset).collect(),
                 },
                 other => other.clone(),
             });
         }
         shapes.push(Shape::Circle {
-            center: by + Point::new(noise.uniform_in(-3.0, 3.0), noise.uniform_in(-3.0, 3.0)),
+            center: offset + Point::new(noise.uniform_in(-3.0, 3.0), noise.uniform_in(-3.0, 3.0)),
             radius: noise.uniform_in(0.01, 1.0),
         });
     }
@@ -96,13 +108,13 @@ fn posts(noise: &mut Noise, shapes: &mut Vec<Shape>) -> f64 {
     15.0
 }
 
-/// A room full of small boxes, which may overlap; a share of them stands askew, or has a circle
-/// beside it.
-fn crowd(noise: &mut Noise, shapes: &mut Vec<Shape>, share: f64) -> f64 {
+/// A room with many small boxes, which may overlap. A share of them is rotated; a tenth of that
+/// share has a circle next to it.
+fn small_boxes(noise: &mut Noise, shapes: &mut Vec<Shape>, share: f64) -> f64 {
     shapes.extend(World::random(1).shapes().iter().take(1).cloned());
     for _ in 0..400 {
-        let mut place = || noise.uniform_in(-4.0, 4.0);
-        let center = Point::new(place(), place());
+        let mut coordinate = || noise.uniform_in(-4.0, 4.0);
+        let center = Point::new(coordinate(), coordinate());
         let mut size = || noise.uniform_in(0.02, 0.15);
         let size = Point::new(size(), size());
         let angle = if noise.chance(share) {

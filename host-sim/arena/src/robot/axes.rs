@@ -1,13 +1,13 @@
-//! The base at its motors: translation, steering and turret, each with its own command.
+//! The base with separate commands for its motors: translation, steering and turret.
 //!
-//! The axes run together: the robot rolls in arcs while it steers, and only its own motor turns the
-//! turret. Each axis is a servo with a speed, an acceleration, and one of three tasks: hold, run at
-//! a velocity, go to a position.
+//! The axes move simultaneously: the robot rolls in arcs while it steers, and only its own motor
+//! turns the turret. Each axis is a servo with a speed, an acceleration, and one of three tasks:
+//! hold, run at a velocity, go to a position.
 
 use super::chassis::Chassis;
 use super::limits::{BaseLimits, NEGLIGIBLE};
 use super::motion::Executed;
-use super::servo::{Ramp, slow};
+use super::servo::{Ramp, brake};
 use super::time_steps::TimeSteps;
 use crate::noise::Noise;
 use crate::world::{Point, Pose, World, wrap_angle};
@@ -24,7 +24,7 @@ pub enum Axis {
 }
 
 impl Axis {
-    /// The three, in the order of the Nomad's commands.
+    /// All axes, in the order of the Nomad's commands.
     pub const ALL: [Self; 3] = [Self::Translation, Self::Steering, Self::Turret];
 }
 
@@ -38,7 +38,7 @@ pub struct AxisLimits {
 }
 
 impl AxisLimits {
-    /// Those of a base, in the order of [`Axis::ALL`].
+    /// Limits of a base, in the order of [`Axis::ALL`].
     #[must_use]
     pub fn of(limits: &BaseLimits) -> [Self; 3] {
         let turn = Self {
@@ -63,7 +63,7 @@ enum ServoTask {
 #[derive(Debug, Clone, PartialEq)]
 struct Servo {
     limits: AxisLimits,
-    /// As set, within the limits.
+    /// Commanded speed and acceleration, within the limits.
     set: AxisLimits,
     at: f64,
     rate: f64,
@@ -85,12 +85,12 @@ impl Servo {
         self.rate != 0.0 || matches!(self.task, ServoTask::GoTo(_) | ServoTask::Run(_))
     }
 
-    /// One time step: how far the axis should go. Its rate is that after the step, its position is
-    /// not.
+    /// Computes one time step: updates the rate and returns the displacement. The caller updates
+    /// the position.
     fn step(&mut self, dt: f64) -> f64 {
         let a = self.set.acceleration;
         let (moved, rate) = match self.task {
-            ServoTask::Hold => slow(self.rate, a, dt),
+            ServoTask::Hold => brake(self.rate, a, dt),
             ServoTask::Run(wanted) => {
                 let next = wanted.clamp(self.rate - a * dt, self.rate + a * dt);
                 ((self.rate + next) / 2.0 * dt, next)
@@ -108,22 +108,22 @@ impl Servo {
         moved
     }
 
-    fn stop_dead(&mut self) {
+    fn stop_at_once(&mut self) {
         self.rate = 0.0;
         self.task = ServoTask::Hold;
     }
 }
 
-/// The three axes and the body they move.
+/// The three axes and the body that they move.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axes {
     servos: [Servo; 3],
     chassis: Chassis,
-    /// Bearing at which steering and turret stand at 0.
+    /// Bearing of steering and turret at position 0.
     front: f64,
     slip: f64,
     bumpers: u32,
-    /// The wheels do not roll, whatever their motor does.
+    /// The wheels are blocked: their motor has no effect.
     blocked: bool,
 }
 
@@ -148,31 +148,31 @@ impl Axes {
         Pose::new(self.chassis.position, bearing)
     }
 
-    /// Where an axis stands: m rolled in all, or rad, not wrapped.
+    /// Position of an axis: total m rolled, or rad, not wrapped.
     #[must_use]
     pub fn at(&self, axis: Axis) -> f64 {
         self.servos[axis as usize].at
     }
 
-    /// How fast it runs.
+    /// Velocity of an axis.
     #[must_use]
     pub fn rate(&self, axis: Axis) -> f64 {
         self.servos[axis as usize].rate
     }
 
-    /// Speed of its moves and acceleration, as set.
+    /// Commanded speed and acceleration of an axis.
     #[must_use]
     pub fn set(&self, axis: Axis) -> AxisLimits {
         self.servos[axis as usize].set
     }
 
-    /// Whether it runs or is about to.
+    /// Whether an axis moves or has a task to move.
     #[must_use]
     pub fn is_active(&self, axis: Axis) -> bool {
         self.servos[axis as usize].is_active()
     }
 
-    /// Bit i: switch i is pressed; it stays so until the base rolls away.
+    /// Bit i: bumper switch i is pressed. It stays pressed until the base rolls away.
     #[must_use]
     pub fn bumpers(&self) -> u32 {
         self.bumpers
@@ -184,8 +184,8 @@ impl Axes {
         servo.set.speed = speed.clamp(0.0, servo.limits.speed);
     }
 
-    /// Sets the acceleration, at most the limit. Without any, an axis could never stop: 0 stands
-    /// for the limit.
+    /// Sets the acceleration, at most the limit. 0 sets the limit, because an axis without
+    /// acceleration could not stop.
     pub fn set_acceleration(&mut self, axis: Axis, acceleration: f64) {
         let servo = &mut self.servos[axis as usize];
         servo.set.acceleration = if acceleration > 0.0 {
@@ -195,7 +195,7 @@ impl Axes {
         };
     }
 
-    /// From now on the wheels do not roll: their motor runs against them without effect.
+    /// Blocks the wheels from now on: their motor has no effect.
     pub fn block_wheels(&mut self) {
         self.blocked = true;
     }
@@ -205,20 +205,21 @@ impl Axes {
         self.servos[axis as usize].task = ServoTask::Hold;
     }
 
-    /// Runs at a velocity, at most the limit. What the wheels slip is drawn from `noise` when they
-    /// begin to roll.
+    /// Runs at a velocity, at most the limit. When the wheels begin to roll, their slip is drawn
+    /// from
+    /// `noise`.
     pub fn run(&mut self, axis: Axis, velocity: f64, noise: &mut Noise) {
         self.begin(axis, noise);
         let servo = &mut self.servos[axis as usize];
-        let most = servo.limits.speed;
+        let max_speed = servo.limits.speed;
         servo.task = if velocity == 0.0 {
             ServoTask::Hold
         } else {
-            ServoTask::Run(velocity.clamp(-most, most))
+            ServoTask::Run(velocity.clamp(-max_speed, max_speed))
         };
     }
 
-    /// Goes to a position, at the set speed; nowhere if that is 0.
+    /// Goes to a position at the commanded speed; holds if that is 0.
     pub fn go_to(&mut self, axis: Axis, goal: f64, noise: &mut Noise) {
         self.begin(axis, noise);
         let servo = &mut self.servos[axis as usize];
@@ -231,57 +232,60 @@ impl Axes {
 
     fn begin(&mut self, axis: Axis, noise: &mut Noise) {
         if axis == Axis::Translation && self.rate(axis) == 0.0 {
-            self.chassis.slip(self.slip, noise);
+            self.chassis.draw_slip(self.slip, noise);
         }
     }
 
-    /// Advances the time by `dt_s` seconds. Returns what the base did, and the way rolled as the
-    /// odometry counts it: a displacement in the frame in which steering 0 is along x.
+    /// Advances the time by `dt_s` seconds. Returns the motion, and the displacement in odometry,
+    /// in the frame in which steering 0 points along x.
     pub fn advance(&mut self, dt_s: f64, world: &World) -> (Executed, Point) {
-        let mut done = Executed::nothing_yet();
+        let mut done = Executed::none();
         let mut counted = Point::default();
-        let time = TimeSteps::of(dt_s);
+        let time = TimeSteps::new(dt_s);
         for _ in 0..time.steps {
             counted = counted + self.step(time.step_s, world, &mut done);
         }
-        self.chassis.tell_gap(world, &mut done);
+        self.chassis.report_gap(world, &mut done);
         done.moving = Axis::ALL.into_iter().any(|axis| self.is_active(axis));
         (done, counted)
     }
 
     fn step(&mut self, dt: f64, world: &World, done: &mut Executed) -> Point {
-        let [way, turned, turret] = self.servos.each_mut().map(|servo| servo.step(dt));
+        let [distance, turned, turret] = self.servos.each_mut().map(|servo| servo.step(dt));
         let [translation, steering, ring] = &mut self.servos;
-        let way = if self.blocked {
+        let distance = if self.blocked {
             translation.rate = 0.0;
             0.0
         } else {
-            way
+            distance
         };
         ring.at += turret;
-        // An arc is rolled as its chord.
-        let along = steering.at + turned / 2.0;
+        // Approximates the arc by its chord.
+        let bearing = steering.at + turned / 2.0;
         steering.at += turned;
-        if way == 0.0 {
+        if distance == 0.0 {
             return Point::default();
         }
         let mut rolled = Executed {
             min_clearance_m: done.min_clearance_m,
-            ..Executed::nothing_yet()
+            ..Executed::none()
         };
-        let count = self
-            .chassis
-            .roll(way, Point::unit(self.front + along), world, &mut rolled);
+        let count = self.chassis.roll(
+            distance,
+            Point::unit(self.front + bearing),
+            world,
+            &mut rolled,
+        );
         translation.at += count;
         self.bumpers = rolled.bumpers;
         if rolled.touched {
-            translation.stop_dead();
+            translation.stop_at_once();
         }
         done.touched |= rolled.touched;
         done.bumpers |= rolled.bumpers;
         done.traveled_m += rolled.traveled_m;
         done.min_clearance_m = rolled.min_clearance_m;
-        Point::unit(along) * count
+        Point::unit(bearing) * count
     }
 }
 

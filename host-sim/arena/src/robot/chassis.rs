@@ -1,33 +1,33 @@
-//! The body on its wheels: where it is, where its odometry believes to be, and what it touches.
+//! The body on its wheels: true position, odometry and contacts.
 
 use core::f64::consts::TAU;
 
 use super::motion::Executed;
-use super::servo::{ServoStride, TravelLeft};
+use super::servo::{RemainingDistance, ServoStride};
 use crate::noise::Noise;
 use crate::nomad::{BUMPERS, COLLISION_RADIUS_M};
 use crate::world::{LastWorld, Point, Pose, Sweep, World};
 
-/// Far above any rounding, m.
+/// Margin for rounding, m.
 const SLACK_M: f64 = 1e-6;
 
-/// A disc that rolls along its wheels.
+/// A disc on wheels.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Chassis {
     pub(super) position: Point,
-    /// Where it would be without slip.
+    /// Position without slip.
     pub(super) odometry: Point,
-    /// Bearing of the base itself: fixed.
+    /// Bearing of the base, which never turns.
     front: f64,
-    /// Complex factor from odometry to truth.
+    /// Complex factor from a displacement in odometry to the true one.
     slip: Point,
-    /// Gaps of this size or more are not wanted, m.
-    gaps_below_m: Option<f64>,
+    /// Gaps of this size or more need not be reported, m.
+    max_reported_gap_m: Option<f64>,
     free: Option<FreeDisc>,
     world: LastWorld,
 }
 
-/// A disc in which no surface lies.
+/// A disc without surfaces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct FreeDisc {
     center: Point,
@@ -35,55 +35,55 @@ struct FreeDisc {
 }
 
 impl FreeDisc {
-    /// Whether each of these places lies at least `margin_m` inside.
-    fn holds(&self, places: [Point; 2], margin_m: f64) -> bool {
+    /// Whether both points lie at least `margin_m` inside.
+    fn contains(&self, points: [Point; 2], margin_m: f64) -> bool {
         let room = self.radius_m - margin_m;
-        let inside = |place: Point| {
-            let offset = place - self.center;
+        let is_inside = |point: Point| {
+            let offset = point - self.center;
             offset.dot(offset) <= room * room
         };
-        room > 0.0 && places.into_iter().all(inside)
+        room > 0.0 && points.into_iter().all(is_inside)
     }
 }
 
-/// A way along the wheels towards a goal, as the odometry has it.
+/// Straight motion along the wheels towards a goal, in odometry.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct RollingWay {
+pub(super) struct RollingPath {
     pub(super) goal: Point,
     /// Unit vector towards the goal.
     pub(super) wheels: Point,
     pub(super) odometry: Point,
 }
 
-impl TravelLeft for RollingWay {
-    /// Each coordinate nears the goal's or passes it, so neither product grows, and neither does
-    /// their sum.
-    fn left(&self) -> f64 {
+impl RemainingDistance for RollingPath {
+    /// Each coordinate moves towards the goal's or passes it, so neither product of the sum
+    /// increases.
+    fn remaining(&self) -> f64 {
         (self.goal - self.odometry).dot(self.wheels)
     }
 
-    fn go(&mut self, way: f64) {
-        self.odometry = self.odometry + self.wheels * way;
+    fn advance(&mut self, distance: f64) {
+        self.odometry = self.odometry + self.wheels * distance;
     }
 }
 
 impl Chassis {
-    /// One whose front looks along the pose's heading.
+    /// A chassis whose front points along the pose's heading.
     pub(super) fn new(pose: Pose) -> Self {
         Self {
             position: pose.position,
             odometry: pose.position,
             front: pose.heading,
             slip: Point::new(1.0, 0.0),
-            gaps_below_m: None,
+            max_reported_gap_m: None,
             free: None,
             world: LastWorld::default(),
         }
     }
 
-    /// Moves straight by `way`, the truth, up to the first touch.
-    pub(super) fn sweep(&mut self, way: Point, world: &World) -> Sweep {
-        let (from, to) = (self.position, self.position + way);
+    /// Moves straight by the true `displacement`, up to the first contact.
+    pub(super) fn sweep(&mut self, displacement: Point, world: &World) -> Sweep {
+        let (from, to) = (self.position, self.position + displacement);
         let sweep = world.sweep(from, to, COLLISION_RADIUS_M);
         self.world.is_same(world);
         self.free = (sweep.min_clearance_m > 0.0).then_some(FreeDisc {
@@ -93,82 +93,85 @@ impl Chassis {
         sweep
     }
 
-    /// From now on gaps of `gap_m` m or more are not wanted.
-    pub(super) fn tell_gaps_below(&mut self, gap_m: f64) {
-        self.gaps_below_m = Some(gap_m);
+    /// Gaps of `gap_m` m or more need not be reported from now on.
+    pub(super) fn limit_reported_gaps(&mut self, gap_m: f64) {
+        self.max_reported_gap_m = Some(gap_m);
     }
 
-    /// Whether nothing is touched and no gap is wanted between these places.
+    /// Whether a move between these points touches nothing and has no gap to report.
     ///
-    /// The distance to the nearest surface changes by no more than the way gone (J. C. Hart,
-    /// *Sphere tracing*, The Visual Computer 12, 1996), so one look holds for a whole disc.
+    /// The distance to the nearest surface changes by at most the distance moved (J. C. Hart,
+    /// *Sphere tracing*, The Visual Computer 12, 1996). So one query gives a whole free disc.
     #[inline]
-    fn passes_freely(&mut self, world: &World, places: [Point; 2]) -> bool {
-        let Some(wanted) = self.gaps_below_m else {
+    fn passes_freely(&mut self, world: &World, points: [Point; 2]) -> bool {
+        let Some(max_gap_m) = self.max_reported_gap_m else {
             return false;
         };
-        let margin = COLLISION_RADIUS_M + wanted.max(0.0) + SLACK_M;
+        let margin = COLLISION_RADIUS_M + max_gap_m.max(0.0) + SLACK_M;
         let same = self.world.is_same(world);
-        let holds = |free: FreeDisc| same && free.holds(places, margin);
-        self.free.is_some_and(holds) || self.find_free(world, places[0]).holds(places, margin)
+        let contains = |free: FreeDisc| same && free.contains(points, margin);
+        self.free.is_some_and(contains)
+            || self
+                .find_free_disc(world, points[0])
+                .contains(points, margin)
     }
 
-    fn find_free(&mut self, world: &World, center: Point) -> FreeDisc {
-        let here = world.sweep(center, center, 0.0);
+    fn find_free_disc(&mut self, world: &World, center: Point) -> FreeDisc {
+        let sweep = world.sweep(center, center, 0.0);
         *self.free.insert(FreeDisc {
             center,
-            radius_m: here.min_clearance_m,
+            radius_m: sweep.min_clearance_m,
         })
     }
 
-    /// Draws the slip of the wheels from now on: of the way (as a share) and of the direction
+    /// Draws the slip of the wheels from now on: of the distance (as a share) and of the direction
     /// (rad).
-    pub(super) fn slip(&mut self, deviation: f64, noise: &mut Noise) {
+    pub(super) fn draw_slip(&mut self, deviation: f64, noise: &mut Noise) {
         let share = 1.0 + deviation * noise.normal();
         self.slip = Point::unit(deviation * noise.normal()) * share;
     }
 
-    /// Rolls `way` m along the unit vector `wheels`, as the odometry counts, up to the first touch.
-    /// Returns how far it got, in m of odometry.
+    /// Rolls `distance` m of odometry along the unit vector `wheels`, up to the first contact.
+    /// Returns the distance rolled, in m of odometry.
     pub(super) fn roll(
         &mut self,
-        way: f64,
+        distance: f64,
         wheels: Point,
         world: &World,
         done: &mut Executed,
     ) -> f64 {
-        if way == 0.0 {
+        if distance == 0.0 {
             return 0.0;
         }
-        let believed = wheels * way;
-        let truth = believed.turned(self.slip);
+        let counted = wheels * distance;
+        let truth = counted.turned(self.slip);
         let sweep = self.sweep(truth, world);
-        let share = share_of(&sweep, truth.length());
+        let share = traveled_share(&sweep, truth.length());
         self.position = self.position + truth * share;
-        self.odometry = self.odometry + believed * share;
+        self.odometry = self.odometry + counted * share;
         done.traveled_m += sweep.traveled_m;
         done.min_clearance_m = done.min_clearance_m.min(sweep.min_clearance_m);
         if sweep.touched() {
             done.touched = true;
             done.bumpers |= self.bumpers_at(&sweep);
         }
-        way * share
+        distance * share
     }
 
-    /// Takes a whole stride along a line if no surface is near, with the results of
-    /// [`Chassis::roll`] for each step; otherwise does nothing. Returns whether it did.
+    /// Applies a whole stride if no surface is near; otherwise does nothing. The result equals
+    /// [`Chassis::roll`] for each step. Returns whether the stride was applied.
     #[inline]
-    pub(super) fn take(
+    pub(super) fn apply_stride(
         &mut self,
-        stride: &ServoStride<RollingWay>,
+        stride: &ServoStride<RollingPath>,
         world: &World,
         done: &mut Executed,
     ) -> bool {
         let from = self.position;
         let mut to = from;
-        let steps = stride.ways.map(|way| {
+        let steps = stride.distances.map(|distance| {
             let before = to;
-            to = to + (stride.end.wheels * way).turned(self.slip);
+            to = to + (stride.end.wheels * distance).turned(self.slip);
             to - before
         });
         if !self.passes_freely(world, [from, to]) {
@@ -182,29 +185,29 @@ impl Chassis {
         true
     }
 
-    /// Reports the gap where it stands, if none was reported on the way.
+    /// Reports the gap at the current position if no step reported one.
     #[inline]
-    pub(super) fn tell_gap(&mut self, world: &World, done: &mut Executed) {
+    pub(super) fn report_gap(&mut self, world: &World, done: &mut Executed) {
         let at = self.position;
         if done.min_clearance_m == f64::INFINITY && !self.passes_freely(world, [at, at]) {
             done.min_clearance_m = (world.clearance(at) - COLLISION_RADIUS_M).max(0.0);
         }
     }
 
-    /// The switch pressed at the end of a sweep, as a bit.
+    /// The bumper switch pressed at the end of a sweep, as a bit.
     pub(super) fn bumpers_at(&self, sweep: &Sweep) -> u32 {
         let Some(contact) = sweep.contact else {
             return 0;
         };
         let bearing = (contact - self.position).angle() - self.front;
         let switch = libm::rint(bearing / TAU * f64::from(BUMPERS));
-        // A whole number of switches from the front, within ±2 turns.
+        // The switch number is within ±2 turns, so it fits an `i32`.
         1 << (switch as i32).rem_euclid(BUMPERS as i32)
     }
 }
 
-/// Share of a way of `length` m that a sweep went.
-pub(super) fn share_of(sweep: &Sweep, length: f64) -> f64 {
+/// Share of a path of `length` m that a sweep traveled.
+pub(super) fn traveled_share(sweep: &Sweep, length: f64) -> f64 {
     if sweep.touched() && length > 0.0 {
         (sweep.traveled_m / length).min(1.0)
     } else {

@@ -1,14 +1,14 @@
-//! What the motors of a base can do, and what its turret does while it steers.
+//! Limits of the motors, and modes of the turret.
 
 use core::f64::consts::PI;
 use core::str::FromStr;
 
 use files::error::BadInput;
 
-/// Distances and angles below this count as none (m, rad): the Nomad cannot measure them.
+/// Distances and angles below this count as zero (m, rad): the Nomad cannot measure them.
 pub(super) const NEGLIGIBLE: f64 = 1e-9;
 
-/// What the motors can do, and how well.
+/// Limits of the motors, and slip of the wheels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BaseLimits {
     /// Greatest speed, m/s: 20 in/s, the limit in the Nomad's own software.
@@ -19,8 +19,8 @@ pub struct BaseLimits {
     pub turn_rate_rad_s: f64,
     /// Acceleration of steering and turret, rad/s²: 30 °/s².
     pub turn_acceleration_rad_s2: f64,
-    /// Standard deviation of way (as a share) and direction (rad) of a timed motion, drawn once per
-    /// command: what the wheels slip, unseen by the odometry.
+    /// Slip of the wheels, which the odometry does not measure: standard deviation of distance (as
+    /// a share) and direction (rad) of a timed motion. Drawn once per command.
     pub slip: f64,
 }
 
@@ -36,7 +36,7 @@ impl Default for BaseLimits {
     }
 }
 
-/// What the turret does while the base steers.
+/// Motion of the turret while the base steers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TurretMode {
     /// It keeps its bearing in the world.
@@ -47,7 +47,7 @@ pub enum TurretMode {
 }
 
 impl TurretMode {
-    /// Its name.
+    /// Name of the mode.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {

@@ -1,17 +1,17 @@
-//! What the base is asked to do, and what it did.
+//! Motion commands and their results.
 
-/// A displacement to carry out, in the ring frame of the moment it is given.
+/// A commanded displacement, in the ring frame at the time of the command.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BaseMotion {
     /// Along sonar 0, m.
     pub dx_m: f64,
     /// To the left of it, m.
     pub dy_m: f64,
-    /// Speed not to be exceeded, m/s.
+    /// Maximum speed, m/s.
     pub speed_m_s: f64,
 }
 
-/// What the base really did.
+/// Result of a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Executed {
     /// Whether the disc touched something; the motion ended there.
@@ -20,16 +20,16 @@ pub struct Executed {
     pub bumpers: u32,
     /// Whether the base is still under way.
     pub moving: bool,
-    /// Length of the way traveled, m.
+    /// Distance traveled, m.
     pub traveled_m: f64,
-    /// Least gap between the disc and any surface along the way, m; perhaps infinite where it is
-    /// [not wanted](super::Base::tell_gaps_below).
+    /// Smallest gap between the disc and any surface along the path, m. May be infinite above the
+    /// [limit of reported gaps](super::Base::limit_reported_gaps).
     pub min_clearance_m: f64,
 }
 
 impl Executed {
-    /// Nothing, and no gap reported.
-    pub(super) fn nothing_yet() -> Self {
+    /// No motion, and no gap reported.
+    pub(super) fn none() -> Self {
         Self {
             touched: false,
             bumpers: 0,

@@ -1,189 +1,200 @@
-//! Position servos with limited velocity and acceleration, one time step at a time.
+//! Position servos with limited velocity and acceleration, in discrete time steps.
 //!
-//! Mostly a servo is either far from its goal, so that only its limits matter, or brakes towards
-//! it. [`Ramp::stride`] takes four such steps at once; [`Ramp::approach`] takes one of any kind.
+//! [`Ramp::approach`] computes one step of any kind. [`Ramp::stride`] computes four steps at once
+//! if the servo is far from its goal or brakes towards it, as in most steps.
 
 use super::limits::NEGLIGIBLE;
 use crate::geometry::{max, min};
 
-/// Steps taken at once: those of 40 ms.
+/// Steps of a stride: 40 ms.
 pub(super) const STEPS_PER_STRIDE: usize = 4;
 
-/// What exceeds a square by this factor has a root that is greater, whatever the rounding.
-const FAR: f64 = 1.0 + 1e-9;
+/// If x exceeds y² by this factor, √x exceeds y whatever the rounding.
+const SQUARE_MARGIN: f64 = 1.0 + 1e-9;
 
-/// How high a velocity may get, and how fast.
+/// Limits of velocity and acceleration, for steps of one length.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ramp {
-    limit: f64,
+    max_velocity: f64,
     /// Twice the acceleration.
     double_a: f64,
     /// Greatest change of velocity in a step, and half of it.
-    change: f64,
-    half: f64,
-    /// Half a time step: half of a product is rounded as the product with the half.
+    max_change: f64,
+    half_change: f64,
+    /// Half a time step. Halving is exact, so halving a factor equals halving the product.
     half_dt: f64,
 }
 
-/// A way along which a servo goes: positive while the goal is ahead.
-pub(super) trait TravelLeft: Copy {
-    /// What is left of it. It never grows by going, rounded or not.
-    fn left(&self) -> f64;
+/// Position of a servo relative to its goal.
+pub(super) trait RemainingDistance: Copy {
+    /// Distance to the goal, positive while it is ahead. Advancing never increases it, even with
+    /// rounding.
+    fn remaining(&self) -> f64;
 
-    /// Goes `way` along it.
-    fn go(&mut self, way: f64);
+    /// Advances by `distance`.
+    fn advance(&mut self, distance: f64);
 }
 
-/// Some steps: how far each goes, where they end, and the velocity there.
+/// Result of a stride: distance of each step, position and velocity at the end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ServoStride<W> {
-    pub(super) ways: [f64; STEPS_PER_STRIDE],
+    pub(super) distances: [f64; STEPS_PER_STRIDE],
     pub(super) end: W,
     pub(super) velocity: f64,
 }
 
 impl Ramp {
-    pub(super) fn new(limit: f64, a: f64, dt: f64) -> Self {
-        let change = a * dt;
+    pub(super) fn new(max_velocity: f64, a: f64, dt: f64) -> Self {
+        let max_change = a * dt;
         Self {
-            limit,
+            max_velocity,
             double_a: 2.0 * a,
-            change,
-            half: change / 2.0,
+            max_change,
+            half_change: max_change / 2.0,
             half_dt: dt / 2.0,
         }
     }
 
-    /// One time step towards rest at `left`: returns how far it goes and the velocity after it.
-    /// Neither the limit nor the acceleration is exceeded, and the end is met exactly: on the
-    /// braking curve v² = 2·a·left each step stays on it.
+    /// One time step towards rest at the distance `left`: returns its distance and the velocity
+    /// after it.
+    ///
+    /// Keeps the limits and ends exactly at the goal: a step that starts on the braking curve
+    /// v² = 2·a·left stays on it.
     pub(super) fn approach(&self, left: f64, velocity: f64) -> (f64, f64) {
         let sign = sign(left);
         let (left, v) = (left * sign, velocity * sign);
-        if (0.0..=self.change).contains(&v) && left <= self.stopping(v) + NEGLIGIBLE {
+        if (0.0..=self.max_change).contains(&v) && left <= self.braking_distance(v) + NEGLIGIBLE {
             return (left * sign, 0.0);
         }
-        let next = self.by_root(left, v);
-        (self.way(v, next) * sign, next * sign)
+        let next = self.next_velocity(left, v);
+        (self.distance(v, next) * sign, next * sign)
     }
 
-    /// Takes a whole stride. `None` where one of its steps may end at the goal or turn back, or
-    /// begins slow; they are to be taken one by one.
+    /// Computes a whole stride. `None` if one of its steps may end at the goal, reverse, or begin
+    /// slowly; such steps need [`approach`](Self::approach).
     #[inline]
-    pub(super) fn stride<W: TravelLeft>(&self, way: W, velocity: f64) -> Option<ServoStride<W>> {
-        if self.is_free(way.left(), velocity)
-            && let Some(stride) = self.stride_freely(way, velocity)
+    pub(super) fn stride<W: RemainingDistance>(
+        &self,
+        position: W,
+        velocity: f64,
+    ) -> Option<ServoStride<W>> {
+        if self.needs_no_braking(position.remaining(), velocity)
+            && let Some(stride) = self.stride_without_braking(position, velocity)
         {
             return Some(stride);
         }
-        self.stride_by_root(way, velocity)
+        self.stride_with_braking(position, velocity)
     }
 
-    /// A stride that only the limits govern, from a velocity within them. With every step the
-    /// velocity grows and the way left shrinks, neither strictly, and what is compared of them with
-    /// either; rounding keeps the order. If the last step is free and does not end at the goal,
-    /// that is so of all.
+    /// A stride without braking, from a velocity within the limits.
+    ///
+    /// The velocity never decreases and the remaining distance never increases, also with rounding.
+    /// So if the last step needs no braking and does not end at the goal, the same holds for all.
     #[inline]
-    fn stride_freely<W: TravelLeft>(
+    fn stride_without_braking<W: RemainingDistance>(
         &self,
         mut end: W,
         mut velocity: f64,
     ) -> Option<ServoStride<W>> {
-        let mut ways = [0.0; STEPS_PER_STRIDE];
-        let mut last = (end.left(), velocity);
-        for way in &mut ways {
-            last = (end.left(), velocity);
-            velocity = self.fastest(velocity);
-            *way = self.way(last.1, velocity);
-            end.go(*way);
+        let mut distances = [0.0; STEPS_PER_STRIDE];
+        let mut last = (end.remaining(), velocity);
+        for distance in &mut distances {
+            last = (end.remaining(), velocity);
+            velocity = self.accelerated(velocity);
+            *distance = self.distance(last.1, velocity);
+            end.advance(*distance);
         }
         let (left, v) = last;
-        let free = self.is_free(left, v) && left > self.stopping(v) + NEGLIGIBLE;
-        free.then_some(ServoStride {
-            ways,
+        let no_braking =
+            self.needs_no_braking(left, v) && left > self.braking_distance(v) + NEGLIGIBLE;
+        no_braking.then_some(ServoStride {
+            distances,
             end,
             velocity,
         })
     }
 
-    /// A stride of steps too fast to end at the goal.
+    /// A stride whose steps may brake but are too fast to end at the goal.
     #[inline]
-    fn stride_by_root<W: TravelLeft>(
+    fn stride_with_braking<W: RemainingDistance>(
         &self,
         mut end: W,
         mut velocity: f64,
     ) -> Option<ServoStride<W>> {
-        let mut ways = [0.0; STEPS_PER_STRIDE];
-        for way in &mut ways {
-            let (left, v) = (end.left(), velocity);
-            if !(left > 0.0 && v > self.change) {
+        let mut distances = [0.0; STEPS_PER_STRIDE];
+        for distance in &mut distances {
+            let (left, v) = (end.remaining(), velocity);
+            if !(left > 0.0 && v > self.max_change) {
                 return None;
             }
-            velocity = self.by_root(left, v);
-            *way = self.way(v, velocity);
-            end.go(*way);
+            velocity = self.next_velocity(left, v);
+            *distance = self.distance(v, velocity);
+            end.advance(*distance);
         }
         Some(ServoStride {
-            ways,
+            distances,
             end,
             velocity,
         })
     }
 
-    /// Whether only the limits govern a step forward: [`Ramp::by_root`] would return
-    /// [`Ramp::fastest`].
+    /// Whether a step forward needs no braking: [`next_velocity`](Self::next_velocity) would return
+    /// [`accelerated`](Self::accelerated).
     #[inline]
-    fn is_free(&self, left: f64, v: f64) -> bool {
-        let most = self.fastest(v) + self.half;
-        (0.0..=self.limit).contains(&v) && self.squared(left, v) > most * most * FAR
+    fn needs_no_braking(&self, left: f64, v: f64) -> bool {
+        let fastest = self.accelerated(v) + self.half_change;
+        (0.0..=self.max_velocity).contains(&v)
+            && self.braking_squared(left, v) > fastest * fastest * SQUARE_MARGIN
     }
 
-    /// The velocity after a step that only the limits govern, from one within them.
+    /// The velocity after a step without braking, from a velocity within the limits.
     #[inline]
-    fn fastest(&self, v: f64) -> f64 {
-        min(v + self.change, self.limit)
+    fn accelerated(&self, v: f64) -> f64 {
+        min(v + self.max_change, self.max_velocity)
     }
 
-    /// The velocity after a step that may have to brake.
+    /// The velocity after a step that may brake.
     #[inline]
-    fn by_root(&self, left: f64, v: f64) -> f64 {
-        let wanted = min(self.squared(left, v).sqrt() - self.half, self.limit);
-        let low = v - self.change;
+    fn next_velocity(&self, left: f64, v: f64) -> f64 {
+        let wanted = min(
+            self.braking_squared(left, v).sqrt() - self.half_change,
+            self.max_velocity,
+        );
+        let low = v - self.max_change;
         if wanted <= low {
             low
         } else {
             core::hint::cold_path();
-            min(wanted, v + self.change)
+            min(wanted, v + self.max_change)
         }
     }
 
-    /// Square of the velocity from which the rest of the way is braked, and half a step's change
-    /// more.
+    /// Square of (the velocity from which braking ends at the goal, plus half the maximum change).
     #[inline]
-    fn squared(&self, left: f64, v: f64) -> f64 {
-        self.half * self.half + self.double_a * max(left - v * self.half_dt, 0.0)
+    fn braking_squared(&self, left: f64, v: f64) -> f64 {
+        self.half_change * self.half_change + self.double_a * max(left - v * self.half_dt, 0.0)
     }
 
-    /// The way it takes to stop.
+    /// The braking distance.
     #[inline]
-    fn stopping(&self, v: f64) -> f64 {
+    fn braking_distance(&self, v: f64) -> f64 {
         v * v / self.double_a
     }
 
-    /// The way of a step.
+    /// The distance of a step.
     #[inline]
-    fn way(&self, v: f64, next: f64) -> f64 {
+    fn distance(&self, v: f64, next: f64) -> f64 {
         (v + next) * self.half_dt
     }
 }
 
-/// 1 or −1: which way a goal lies.
+/// 1 or −1: direction of the goal.
 fn sign(left: f64) -> f64 {
     if left < 0.0 { -1.0 } else { 1.0 }
 }
 
-/// 1 or −1: the sense of a stride, which does not turn back.
-pub(super) fn sense(velocity: f64, left: f64) -> f64 {
+/// 1 or −1: direction of a stride, which never reverses.
+pub(super) fn stride_sign(velocity: f64, left: f64) -> f64 {
     if velocity == 0.0 {
         sign(left)
     } else {
@@ -191,13 +202,18 @@ pub(super) fn sense(velocity: f64, left: f64) -> f64 {
     }
 }
 
-/// One time step of braking: how far it goes and the velocity after it.
-pub(super) fn slow(velocity: f64, a: f64, dt: f64) -> (f64, f64) {
-    let less = a * dt;
-    if velocity.abs() <= less {
+/// One time step of braking: returns its distance and the velocity after it.
+pub(super) fn brake(velocity: f64, a: f64, dt: f64) -> (f64, f64) {
+    let max_change = a * dt;
+    if velocity.abs() <= max_change {
         return (velocity * velocity.abs() / (2.0 * a), 0.0);
     }
-    let next = velocity - if velocity > 0.0 { less } else { -less };
+    let next = velocity
+        - if velocity > 0.0 {
+            max_change
+        } else {
+            -max_change
+        };
     ((velocity + next) / 2.0 * dt, next)
 }
 
@@ -206,22 +222,22 @@ mod tests {
     use super::*;
     use crate::noise::Noise;
 
-    /// So far is left.
+    /// A remaining distance.
     #[derive(Debug, Clone, Copy, PartialEq)]
-    struct Left(f64);
+    struct Remaining(f64);
 
-    impl TravelLeft for Left {
-        fn left(&self) -> f64 {
+    impl RemainingDistance for Remaining {
+        fn remaining(&self) -> f64 {
             self.0
         }
 
-        fn go(&mut self, way: f64) {
-            self.0 -= way;
+        fn advance(&mut self, distance: f64) {
+            self.0 -= distance;
         }
     }
 
-    /// A step as the formula says it.
-    fn plainly(left: f64, velocity: f64, limit: f64, a: f64, dt: f64) -> (f64, f64) {
+    /// A step by the plain formula.
+    fn reference_step(left: f64, velocity: f64, limit: f64, a: f64, dt: f64) -> (f64, f64) {
         let sign = if left < 0.0 { -1.0 } else { 1.0 };
         let (left, v) = (left * sign, velocity * sign);
         if (0.0..=a * dt).contains(&v) && left <= v * v / (2.0 * a) + NEGLIGIBLE {
@@ -233,59 +249,64 @@ mod tests {
         ((v + next) / 2.0 * dt * sign, next * sign)
     }
 
-    /// Ways and limits of every size, at rest, within the limits and beyond.
-    fn drawn(noise: &mut Noise) -> (f64, f64, f64) {
+    /// Draws a distance, a velocity (zero, within or above the limit) and a limit.
+    fn draw_case(noise: &mut Noise) -> (f64, f64, f64) {
         let left = noise.uniform_in(-1.0, 1.0).powi(3);
         let limit = noise.uniform_in(0.0, 0.8).powi(3);
         let velocity = noise.uniform_in(-1.0, 1.0).powi(3).clamp(-0.6, 0.6);
-        let slow = [0.0, velocity, 0.01 * velocity, limit];
-        (left, slow[noise.index(4)], limit)
+        let velocities = [0.0, velocity, 0.01 * velocity, limit];
+        (left, velocities[noise.index(4)], limit)
     }
 
     #[test]
-    fn a_step_is_as_the_formula_says() {
+    fn approach_equals_the_plain_formula() {
         let mut noise = Noise::new(1);
         for _ in 0..200_000 {
-            let (left, velocity, limit) = drawn(&mut noise);
+            let (left, velocity, limit) = draw_case(&mut noise);
             let found = Ramp::new(limit, 0.762, 0.01).approach(left, velocity);
-            let (way, next) = plainly(left, velocity, limit, 0.762, 0.01);
+            let (distance, next) = reference_step(left, velocity, limit, 0.762, 0.01);
             assert_eq!(
                 [found.0.to_bits(), found.1.to_bits()],
-                [way.to_bits(), next.to_bits()],
+                [distance.to_bits(), next.to_bits()],
                 "{left} {velocity} {limit}"
             );
         }
     }
 
     #[test]
-    fn a_stride_is_its_steps() {
+    fn a_stride_equals_its_steps() {
         let mut noise = Noise::new(2);
-        let (mut freely, mut by_root) = (0, 0);
+        let (mut unbraked, mut braking) = (0, 0);
         for _ in 0..200_000 {
-            let (left, velocity, limit) = drawn(&mut noise);
+            let (left, velocity, limit) = draw_case(&mut noise);
             let ramp = Ramp::new(limit, 0.762, 0.01);
-            let free = ramp.is_free(left, velocity);
-            let (mut end, mut next) = (Left(left), velocity);
-            let ways = core::array::from_fn(|_| {
-                let (way, faster) = plainly(end.0, next, limit, 0.762, 0.01);
-                end.go(way);
-                next = faster;
-                way
+            let no_braking = ramp.needs_no_braking(left, velocity);
+            let (mut end, mut next) = (Remaining(left), velocity);
+            let distances = core::array::from_fn(|_| {
+                let (distance, velocity) = reference_step(end.0, next, limit, 0.762, 0.01);
+                end.advance(distance);
+                next = velocity;
+                distance
             });
             let steps = ServoStride {
-                ways,
+                distances,
                 end,
                 velocity: next,
             };
-            if free && let Some(stride) = ramp.stride_freely(Left(left), velocity) {
+            if no_braking
+                && let Some(stride) = ramp.stride_without_braking(Remaining(left), velocity)
+            {
                 assert_eq!(stride, steps, "{left} {velocity} {limit}");
-                freely += 1;
+                unbraked += 1;
             }
-            if let Some(stride) = ramp.stride_by_root(Left(left), velocity) {
+            if let Some(stride) = ramp.stride_with_braking(Remaining(left), velocity) {
                 assert_eq!(stride, steps, "{left} {velocity} {limit}");
-                by_root += 1;
+                braking += 1;
             }
         }
-        assert!(freely > 10_000 && by_root > 10_000, "{freely} {by_root}");
+        assert!(
+            unbraked > 10_000 && braking > 10_000,
+            "{unbraked} {braking}"
+        );
     }
 }

@@ -41,10 +41,10 @@ fn go(base: &mut Base, dx_m: f64, dy_m: f64) {
     );
 }
 
-/// Runs to the end in steps of `dt`; checks the limits at every step.
+/// Runs to rest in steps of `dt` and checks the limits in every step.
 fn run(base: &mut Base, world: &World, dt: f64) -> (f64, Executed) {
     let limits = exact_limits();
-    let (mut time, mut sum) = (0.0, Executed::nothing_yet());
+    let (mut time, mut sum) = (0.0, Executed::none());
     while base.is_moving() && time < 100.0 {
         let (speed, rate) = (base.speed, base.turn_rate);
         let done = base.advance(dt, world);
@@ -63,7 +63,7 @@ fn run(base: &mut Base, world: &World, dt: f64) -> (f64, Executed) {
 }
 
 #[test]
-fn an_exact_move_goes_where_it_says_in_the_ring_frame() {
+fn an_exact_move_is_in_the_ring_frame() {
     let mut base = Base::new(
         Pose::new(Point::new(1.0, 2.0), FRAC_PI_2),
         exact_limits(),
@@ -79,12 +79,12 @@ fn an_exact_move_goes_where_it_says_in_the_ring_frame() {
 }
 
 #[test]
-fn a_following_ring_looks_where_the_motion_went() {
+fn a_following_ring_points_in_the_direction_of_motion() {
     let mut base = base(TurretMode::Follow);
     base.move_exactly(&hall(), 0.0, -0.25);
     assert!((base.pose().heading + FRAC_PI_2).abs() < 1e-12);
     assert_eq!(base.heading_in_ring(), 0.0);
-    // Nothing turns when nothing is asked, and straight on is ahead.
+    // A displacement of zero turns nothing; the next move is straight ahead.
     let before = base.pose();
     base.move_exactly(&hall(), 0.0, 0.0);
     assert_eq!(base.pose(), before);
@@ -93,7 +93,7 @@ fn a_following_ring_looks_where_the_motion_went() {
 }
 
 #[test]
-fn an_exact_move_ends_at_the_touch() {
+fn an_exact_move_ends_at_the_contact() {
     let mut base = base(TurretMode::Held);
     let done = base.move_exactly(&wall_at(0.4), 0.25, 0.0);
     let at_wall = base.pose().position;
@@ -108,7 +108,7 @@ fn an_exact_move_ends_at_the_touch() {
 
 #[test]
 fn bumpers_are_counted_from_the_front_of_the_base_to_the_left() {
-    // The base looks along y; the wall is on its right: switch 15, 18° · 15 = 270°.
+    // The base points along y; the wall is on its right: switch 15, 18° · 15 = 270°.
     let mut base = Base::new(
         Pose::new(Point::default(), FRAC_PI_2),
         exact_limits(),
@@ -116,7 +116,7 @@ fn bumpers_are_counted_from_the_front_of_the_base_to_the_left() {
     );
     let done = base.move_exactly(&wall_at(0.4), 0.0, -1.0);
     assert_eq!(done.bumpers, 1 << 15);
-    // The ring has turned with the wheels, the base and its bumpers have not.
+    // The ring turned with the wheels; base and bumpers did not turn.
     let done = base.move_exactly(&wall_at(0.4), 1.0, 0.0);
     assert_eq!(done.bumpers, 1 << 15);
 }
@@ -159,10 +159,10 @@ fn a_timed_move_ends_at_rest_at_the_commanded_place() {
     }
 }
 
-/// 1 m straight ahead: up to 0.508 m/s and down again takes 0.508 / 0.762 s each and 0.339 m
+/// 1 m straight ahead: accelerating to 0.508 m/s and braking take 0.508 / 0.762 s each, and 0.339 m
 /// together.
 #[test]
-fn a_straight_meter_takes_its_time() {
+fn a_straight_meter_takes_the_expected_time() {
     let mut base = base(TurretMode::Held);
     go(&mut base, 1.0, 0.0);
     let (time, _) = run(&mut base, &hall(), 0.001);
@@ -187,9 +187,9 @@ fn zero_brakes_within_v_squared_over_2a() {
     assert!((time - speed / 0.762).abs() < 0.011);
 }
 
-/// It takes up to 1.5 s: who counted it as rolling would think the wheels blocked.
+/// Stopping the wheels takes up to 1.5 s; reported as rolling, they would seem to be blocked.
 #[test]
-fn wheels_that_still_turn_when_told_to_stand_are_said_to_steer() {
+fn wheels_that_still_turn_after_a_stop_are_reported_as_steering() {
     let mut base = base(TurretMode::Held);
     go(&mut base, 0.0, 0.5);
     base.advance(1.6, &hall());
@@ -206,7 +206,7 @@ fn wheels_that_still_turn_when_told_to_stand_are_said_to_steer() {
 }
 
 #[test]
-fn a_new_direction_waits_until_the_base_stands() {
+fn the_base_stops_before_it_changes_direction() {
     let mut base = base(TurretMode::Held);
     go(&mut base, 2.0, 0.0);
     base.advance(1.5, &hall());
@@ -217,12 +217,12 @@ fn a_new_direction_waits_until_the_base_stands() {
         base.advance(0.01, &hall());
     }
     run(&mut base, &hall(), 0.01);
-    // The goal is relative to where the base was when the command came.
+    // The goal is relative to the position at the time of the command.
     assert!(base.pose().position.distance(at + Point::new(0.0, 0.5)) < 1e-8);
 }
 
 #[test]
-fn the_wheels_stop_turning_when_told_to() {
+fn a_stop_command_stops_turning_wheels() {
     let mut base = base(TurretMode::Follow);
     go(&mut base, 0.0, 1.0);
     base.advance(0.5, &hall());
@@ -233,7 +233,7 @@ fn the_wheels_stop_turning_when_told_to() {
     assert_eq!((base.turn_rate, sum.traveled_m), (0.0, 0.0));
     assert!(time > 0.4 && base.pose().heading < FRAC_PI_2);
     assert!(base.pose().heading > turning);
-    // Told the other way while turning, they still come to where they should.
+    // A new command while the wheels turn the other way reaches its goal.
     go(&mut base, 0.0, -1.0);
     base.advance(0.3, &hall());
     let at = base.pose();
@@ -243,10 +243,9 @@ fn the_wheels_stop_turning_when_told_to() {
     assert!(base.pose().position.distance(goal) < 1e-8);
 }
 
-/// A half turn of the Nomad's wheels takes 5.5 s: 4 s at 45 °/s, and 1.5 s to reach that and to
-/// brake.
+/// A half turn of the Nomad's wheels takes 5.5 s: 4 s at 45 °/s, and 1.5 s to accelerate and brake.
 #[test]
-fn wheels_that_turn_go_on_turning_when_the_way_is_shortened() {
+fn wheels_that_turn_keep_turning_when_the_motion_is_shortened() {
     let mut base = base(TurretMode::Follow);
     let goal = Point::new(-1.0, 0.0);
     go(&mut base, goal.x, goal.y);
@@ -268,7 +267,7 @@ fn wheels_that_turn_go_on_turning_when_the_way_is_shortened() {
 }
 
 #[test]
-fn a_longer_or_shorter_way_ahead_is_taken_rolling() {
+fn a_longer_or_shorter_motion_ahead_does_not_stop_the_base() {
     let mut base = base(TurretMode::Held);
     go(&mut base, 1.0, 0.0);
     base.advance(1.0, &hall());
@@ -281,7 +280,7 @@ fn a_longer_or_shorter_way_ahead_is_taken_rolling() {
     );
     run(&mut base, &hall(), 0.01);
     assert!(base.pose().position.distance(at + Point::new(1.5, 0.0)) < 1e-8);
-    // Shorter than it can brake, which takes 0.508² / (2 · 0.762) m: it stands where it came to.
+    // Shorter than the braking distance of 0.508² / (2 · 0.762) m: the base brakes at once.
     go(&mut base, 1.0, 0.0);
     base.advance(1.0, &hall());
     let at = base.pose().position;
@@ -292,20 +291,20 @@ fn a_longer_or_shorter_way_ahead_is_taken_rolling() {
 }
 
 #[test]
-fn a_touch_ends_a_timed_move() {
+fn a_contact_ends_a_timed_move() {
     let mut base = base(TurretMode::Held);
     go(&mut base, 1.0, 0.0);
     let (_, sum) = run(&mut base, &wall_at(0.6), 0.01);
     assert!(sum.touched && sum.bumpers == 1 && sum.min_clearance_m == 0.0);
     assert!((base.pose().position.x - (0.6 - COLLISION_RADIUS_M)).abs() < 1e-9);
     assert!(!base.is_moving() && base.speed_m_s() == 0.0);
-    // It can leave again.
+    // The base can move away.
     go(&mut base, -0.2, 0.0);
     assert!(!run(&mut base, &wall_at(0.6), 0.01).1.touched);
 }
 
 #[test]
-fn slip_moves_the_truth_and_not_the_odometry() {
+fn slip_changes_the_true_position_and_not_the_odometry() {
     let mut noise = Noise::new(9);
     let (mut squares_along, mut squares_across, runs) = (0.0, 0.0, 400);
     for _ in 0..runs {
@@ -319,12 +318,12 @@ fn slip_moves_the_truth_and_not_the_odometry() {
             &mut noise,
         );
         base.advance(10.0, &hall());
-        let (believed, truth) = (base.odometry(), base.pose().position);
-        assert!((believed.x - 1.0).abs() < 1e-8 && believed.y == 0.0);
+        let (odometry, truth) = (base.odometry(), base.pose().position);
+        assert!((odometry.x - 1.0).abs() < 1e-8 && odometry.y == 0.0);
         squares_along += (truth.x - 1.0).powi(2);
         squares_across += truth.y.powi(2);
     }
-    // Four standard errors of a deviation estimated from 400 runs are 14 %.
+    // Four standard errors of a standard deviation from 400 runs are 14 %.
     for squares in [squares_along, squares_across] {
         let deviation = (squares / f64::from(runs)).sqrt();
         assert!((deviation / 0.02 - 1.0).abs() < 0.14, "{deviation}");
@@ -332,7 +331,7 @@ fn slip_moves_the_truth_and_not_the_odometry() {
 }
 
 #[test]
-fn commands_that_are_no_motion_brake() {
+fn invalid_commands_brake() {
     for (dx_m, speed_m_s) in [
         (f64::NAN, 1.0),
         (f64::INFINITY, 1.0),
@@ -355,7 +354,7 @@ fn commands_that_are_no_motion_brake() {
 }
 
 #[test]
-fn splitting_the_time_changes_nothing_that_matters() {
+fn splitting_the_time_does_not_change_the_result() {
     let mut whole = base(TurretMode::Follow);
     let mut split = whole.clone();
     go(&mut whole, 0.3, 0.4);
@@ -374,28 +373,27 @@ fn splitting_the_time_changes_nothing_that_matters() {
     );
 }
 
-/// In a hall with posts: 40 ms at once and in four steps give the same bits, except for gaps that
-/// are not wanted.
+/// 40 ms at once and in four steps give the same bits, except for gaps above the reported limit.
 #[test]
-fn strides_are_their_steps() {
+fn strides_equal_their_steps() {
     let mut noise = Noise::new(5);
     let world = World::random(3);
     let (mut strides, mut touches) = (0, 0);
     for turret in [TurretMode::Held, TurretMode::Follow] {
-        // A heading beyond one turn is reported as it was given.
+        // A heading of more than half a turn is not wrapped.
         let start = Pose::new(world.start().position, 4.0);
         let mut whole = Base::new(start, BaseLimits::default(), turret);
         let mut least = f64::INFINITY;
         let mut split = whole.clone();
         for turn in 0..60_000 {
             if noise.uniform_in(0.0, 60.0) < 1.0 {
-                let motion = any_motion(&mut noise);
+                let motion = random_motion(&mut noise);
                 whole.command(motion, &mut Noise::new(turn));
                 split.command(motion, &mut Noise::new(turn));
             }
-            whole.tell_gaps_below(least);
+            whole.limit_reported_gaps(least);
             let before = whole.clone();
-            strides += u32::from(whole.stride(0.01, &world, &mut Executed::nothing_yet()));
+            strides += u32::from(whole.stride(0.01, &world, &mut Executed::none()));
             whole = before;
             let done = whole.advance(0.04, &world);
             let steps = step_by_step(&mut split, &world);
@@ -417,30 +415,30 @@ fn strides_are_their_steps() {
     assert!(strides > 40_000 && touches > 50, "{strides} {touches}");
 }
 
-/// Longer ones and shorter ones, slower ones and faster ones.
-fn any_motion(noise: &mut Noise) -> BaseMotion {
-    let mut way = || noise.uniform_in(-1.0, 1.0).powi(3);
+/// A random motion.
+fn random_motion(noise: &mut Noise) -> BaseMotion {
+    let mut distance = || noise.uniform_in(-1.0, 1.0).powi(3);
     BaseMotion {
-        dx_m: way(),
-        dy_m: way(),
+        dx_m: distance(),
+        dy_m: distance(),
         speed_m_s: noise.uniform_in(0.001, 0.7),
     }
 }
 
 fn step_by_step(base: &mut Base, world: &World) -> Executed {
-    let mut done = Executed::nothing_yet();
+    let mut done = Executed::none();
     for _ in 0..STEPS_PER_STRIDE {
         base.step(0.01, world, &mut done);
     }
-    base.chassis.tell_gap(world, &mut done);
+    base.chassis.report_gap(world, &mut done);
     done.moving = base.is_moving();
     done
 }
 
 fn bits(base: &Base) -> [u64; 8] {
-    let (place, odometry) = (base.chassis.position, base.odometry());
+    let (position, odometry) = (base.chassis.position, base.odometry());
     let steering = [base.steering(), base.turn_rate, base.ring.angle()];
-    let rolling = [place.x, place.y, odometry.x, odometry.y, base.speed];
+    let rolling = [position.x, position.y, odometry.x, odometry.y, base.speed];
     let mut all = rolling.into_iter().chain(steering).map(f64::to_bits);
     core::array::from_fn(|_| all.next().unwrap())
 }

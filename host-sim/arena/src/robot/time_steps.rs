@@ -1,9 +1,9 @@
-//! A time cut into equal steps, none longer than 10 ms.
+//! Divides a duration into equal steps of at most 10 ms.
 
 /// Longest step, s.
 const MAX_STEP_S: f64 = 0.010;
 
-/// A time cut into equal steps.
+/// A duration divided into equal steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct TimeSteps {
     pub(super) whole_s: f64,
@@ -12,8 +12,8 @@ pub(super) struct TimeSteps {
 }
 
 impl TimeSteps {
-    /// The steps of a time; at least one.
-    pub(super) fn of(whole_s: f64) -> Self {
+    /// Divides a duration into at least one step.
+    pub(super) fn new(whole_s: f64) -> Self {
         let steps = libm::ceil(whole_s / MAX_STEP_S).clamp(1.0, 1e7) as u32;
         Self {
             whole_s,

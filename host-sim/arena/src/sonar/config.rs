@@ -1,4 +1,4 @@
-//! The three sonar models and every number in them.
+//! The three sonar models and their parameters.
 
 use core::f64::consts::PI;
 use core::str::FromStr;
@@ -6,15 +6,15 @@ use core::str::FromStr;
 use super::inches::{M_PER_INCH, MAX_READING_IN};
 use files::error::BadInput;
 
-/// Which of the three ready-made models.
+/// A predefined sonar model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SonarModel {
-    /// Exact distances, all at once.
+    /// Exact ranges of all transducers at once.
     #[default]
     Ideal,
-    /// What a Nomad 200 in good order returns.
+    /// Readings of a Nomad 200 without faults.
     Nomad,
-    /// A bad day: everything that can go wrong does.
+    /// Readings with every disturbance at once.
     Harsh,
 }
 
@@ -22,7 +22,7 @@ impl SonarModel {
     /// The names, in the order of the variants.
     pub const NAMES: [&'static str; 3] = ["ideal", "nomad", "harsh"];
 
-    /// The model's name.
+    /// Name of the model.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -32,7 +32,7 @@ impl SonarModel {
         }
     }
 
-    /// The model's numbers.
+    /// Parameters of the model.
     #[must_use]
     pub fn config(self) -> SonarConfig {
         match self {
@@ -56,41 +56,41 @@ impl FromStr for SonarModel {
     }
 }
 
-/// Every number of a sonar model.
+/// Parameters of a sonar model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SonarConfig {
     /// Half the opening of cone or lobe, rad. Polaroid transducers are usually given ±15°; ±12.5°
     /// leaves no gap between 16 of them.
     pub half_angle_rad: f64,
-    /// Greatest range, m: 255 in.
+    /// Maximum range, m: 255 in.
     pub max_range_m: f64,
-    /// Greatest angle between sound and a flat face's normal at which it answers, rad. Smooth walls
-    /// are mirrors beyond 22.5° (Webots) to 28° (ThinkingCap's Nomad).
+    /// Largest angle of incidence at which a flat face returns an echo, rad. Smooth walls are
+    /// mirrors beyond 22.5° (Webots) to 28° (ThinkingCap's Nomad).
     pub max_incidence_rad: f64,
     /// Rays in the fan over the lobe, at least 2; 31 are 1° apart.
     pub fan_rays: usize,
-    /// Least standard deviation of a reading, m: half an inch.
+    /// Smallest standard deviation of a reading, m: half an inch.
     pub sigma_m: f64,
     /// Standard deviation as a share of the range: ±1 % in the Polaroid 6500 data sheet.
     pub sigma_share: f64,
-    /// Probability that an echo is not heard.
+    /// Probability that an echo is missed.
     pub missed: f64,
-    /// Probability of a reading that means nothing, uniform from 6 to 255 in (0.5 % in CARMEN's
-    /// simulator).
+    /// Probability of a random reading, uniform from 6 to 255 in; 0.5 % in the simulator of
+    /// CARMEN.
     pub random: f64,
-    /// Least reading, m: 6 in in the data sheet.
+    /// Smallest reading, m: 6 in according to the data sheet.
     pub min_range_m: f64,
-    /// Echoes from nearer than this are lost, m. 17 in is what the module's internal blanking of
-    /// 2.38 ms makes of it.
+    /// Blanking distance: nearer echoes are lost, m. The module's internal blanking of 2.38 ms
+    /// gives 17 in.
     pub blanking_m: f64,
-    /// Mirrored paths followed, reflections per ray.
+    /// Maximum number of reflections per ray.
     pub bounces: usize,
-    /// Probability that the reverberation of an earlier ping is loud enough to be taken for an
+    /// Probability that the reverberation of an earlier ping is loud enough to be detected as an
     /// echo.
     pub crosstalk: f64,
-    /// How many times sound may go to and fro before it is too weak to reverberate.
+    /// Number of round trips after which sound is too weak to be detected.
     pub reverberations: u32,
-    /// Whether one transducer, chosen at random, is dead.
+    /// Whether one random transducer is dead.
     pub one_dead: bool,
 }
 

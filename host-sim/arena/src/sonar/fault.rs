@@ -1,8 +1,8 @@
-//! What may be wrong with a single transducer.
+//! Faults of single transducers.
 //!
-//! A fault changes what the ring reports of one transducer, after its model; exchanged cables
-//! change which transducer fires. A fault that remembers something keeps it in its own entry of
-//! [`ActiveFaults`]. Without a fault nothing is drawn from the noise.
+//! A fault changes the reading of one transducer, after the sonar model. Swapped cables change
+//! which transducer fires. The state of a fault is in its entry of [`ActiveFaults`]. Without faults
+//! no random number is drawn.
 
 use core::fmt;
 use core::str::FromStr;
@@ -12,33 +12,33 @@ use super::inches::{M_PER_INCH, MAX_READING_IN};
 use crate::noise::Noise;
 use files::error::BadInput;
 
-/// What is wrong.
+/// Kind of fault.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FaultKind {
-    /// It is off: it never hears anything.
+    /// Never reports an echo.
     Dead,
-    /// It always reports this range, m.
+    /// Always reports this range, m.
     Stuck(f64),
-    /// It reports this share of the range: below 1 it reads short.
+    /// Multiplies the range by this factor.
     Scaled(f64),
-    /// It reports so much more, m: below 0 it reads short.
+    /// Adds this offset to the range, m.
     Offset(f64),
-    /// With this probability it reports anything from 6 to 255 in.
+    /// With this probability, reports a random range from 6 to 255 in.
     Jumping(f64),
-    /// Its ranges scatter by this standard deviation, m.
+    /// Adds normal noise with this standard deviation to the range, m.
     Noisy(f64),
-    /// It reports what it heard so many firings ago, and nothing before.
+    /// Reports the reading of this number of firings ago; before that, no echo.
     Delayed(usize),
-    /// With this probability it hears nothing.
+    /// With this probability, reports no echo.
     Intermittent(f64),
-    /// With this probability it takes the echo of the transducer that fired before it for its own,
-    /// where that one came sooner.
+    /// With this probability, reports the range of the transducer that fired before it, if that is
+    /// shorter.
     Crosstalk(f64),
-    /// Its cable and that of this transducer are exchanged.
+    /// Its cable and that of this transducer are swapped.
     Swapped(usize),
 }
 
-/// Most firings by which a reading is late.
+/// Maximum number of firings by which a reading is delayed.
 const MAX_DELAY: usize = 1_000;
 
 impl FaultKind {
@@ -56,7 +56,7 @@ impl FaultKind {
         "swapped",
     ];
 
-    /// Its name.
+    /// Name of the kind.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -73,7 +73,7 @@ impl FaultKind {
         }
     }
 
-    /// The same kind for a ring turned by so many places: exchanged cables stay as far apart.
+    /// The same kind for a ring rotated by this number of transducers.
     #[must_use]
     pub const fn turned(self, places: usize) -> Self {
         match self {
@@ -82,38 +82,38 @@ impl FaultKind {
         }
     }
 
-    /// What a transducer reports that in good order would have reported `range`, when the one
-    /// before it heard `earlier`. `memory` is its own, the newest last.
+    /// The reading of a faulty transducer. Without the fault it would be `range`; `previous` is the
+    /// range of the transducer that fired before. `history` holds delayed readings, oldest first.
     fn reported(
         self,
         range: Option<f64>,
-        earlier: Option<f64>,
-        memory: &mut VecDeque<Option<f64>>,
+        previous: Option<f64>,
+        history: &mut VecDeque<Option<f64>>,
         noise: &mut Noise,
     ) -> Option<f64> {
-        let (least, most) = (6.0 * M_PER_INCH, f64::from(MAX_READING_IN) * M_PER_INCH);
-        let within = |range: f64| (range < most).then_some(range.max(least));
+        let (min, max) = (6.0 * M_PER_INCH, f64::from(MAX_READING_IN) * M_PER_INCH);
+        let limited = |range: f64| (range < max).then_some(range.max(min));
         match self {
             Self::Dead => None,
             Self::Stuck(range) => Some(range),
-            Self::Scaled(share) => within(range? * share),
-            Self::Offset(length) => within(range? + length),
+            Self::Scaled(factor) => limited(range? * factor),
+            Self::Offset(offset_m) => limited(range? + offset_m),
             Self::Jumping(probability) if noise.chance(probability) => {
-                Some(noise.uniform_in(least, most))
+                Some(noise.uniform_in(min, max))
             }
             Self::Noisy(sigma_m) => {
-                // One draw per firing, heard or not.
+                // Draws once per firing, with or without an echo.
                 let error_m = noise.normal() * sigma_m;
-                within(range? + error_m)
+                limited(range? + error_m)
             }
             Self::Delayed(firings) => {
-                memory.push_back(range);
-                (memory.len() > firings).then(|| memory.pop_front())??
+                history.push_back(range);
+                (history.len() > firings).then(|| history.pop_front())??
             }
             Self::Intermittent(probability) if noise.chance(probability) => None,
-            Self::Crosstalk(probability) if noise.chance(probability) => match (range, earlier) {
-                (Some(own), Some(earlier)) => Some(own.min(earlier)),
-                (own, earlier) => own.or(earlier),
+            Self::Crosstalk(probability) if noise.chance(probability) => match (range, previous) {
+                (Some(own), Some(previous)) => Some(own.min(previous)),
+                (own, previous) => own.or(previous),
             },
             Self::Jumping(_) | Self::Intermittent(_) | Self::Crosstalk(_) | Self::Swapped(_) => {
                 range
@@ -122,12 +122,12 @@ impl FaultKind {
     }
 }
 
-/// A transducer and what is wrong with it. As text `KIND:SENSOR` or `KIND:SENSOR:VALUE`.
+/// A fault of one transducer. Text form: `KIND:SENSOR` or `KIND:SENSOR:VALUE`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TransducerFault {
     /// The transducer.
     pub sensor: usize,
-    /// What is wrong with it.
+    /// Kind of fault.
     pub kind: FaultKind,
 }
 
@@ -157,26 +157,26 @@ impl FromStr for TransducerFault {
         if !FaultKind::NAMES.contains(&name) {
             return Err(BadInput::unknown("fault", name, &FaultKind::NAMES));
         }
-        let refuse = |why: &str| BadInput::new(format!("fault \"{text}\": {why}"));
+        let error = |why: &str| BadInput::new(format!("fault \"{text}\": {why}"));
         let sensor = parts.next().and_then(|sensor| sensor.parse().ok());
-        let sensor = sensor.filter(|sensor| *sensor < 16).ok_or_else(|| {
-            refuse("after the kind comes a transducer from 0 to 15, as in dead:3")
-        })?;
+        let sensor = sensor
+            .filter(|sensor| *sensor < 16)
+            .ok_or_else(|| error("after the kind comes a transducer from 0 to 15, as in dead:3"))?;
         let value = parts.next();
         if parts.next().is_some() || (name == "dead" && value.is_some()) {
-            return Err(refuse("there is something left over at its end"));
+            return Err(error("there is something left over at its end"));
         }
         let ends_with =
-            |what: &str| refuse(&format!("it ends with {what}, as in {name}:{sensor}:VALUE"));
-        let number = |what: &str, least: f64, most: f64| {
+            |what: &str| error(&format!("it ends with {what}, as in {name}:{sensor}:VALUE"));
+        let number = |what: &str, min: f64, max: f64| {
             let number = value.and_then(|value| value.parse().ok());
-            let fits = number.filter(|number| (least..=most).contains(number));
-            fits.ok_or_else(|| ends_with(&format!("{what} from {least} to {most}")))
+            let number = number.filter(|number| (min..=max).contains(number));
+            number.ok_or_else(|| ends_with(&format!("{what} from {min} to {max}")))
         };
-        let count = |what: &str, least: usize, most: usize| {
+        let count = |what: &str, min: usize, max: usize| {
             let count = value.and_then(|value| value.parse().ok());
-            let fits = count.filter(|count| (least..=most).contains(count));
-            fits.ok_or_else(|| ends_with(&format!("{what} from {least} to {most}")))
+            let count = count.filter(|count| (min..=max).contains(count));
+            count.ok_or_else(|| ends_with(&format!("{what} from {min} to {max}")))
         };
         let probability = || number("a probability", 0.0, 1.0);
         let kind = match name {
@@ -198,12 +198,12 @@ impl FromStr for TransducerFault {
     }
 }
 
-/// All that is wrong with a ring.
+/// Faults of a ring, with their states.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct ActiveFaults {
     faults: Vec<(TransducerFault, VecDeque<Option<f64>>)>,
-    /// What the transducer that fired last has heard.
-    earlier: Option<f64>,
+    /// Range of the transducer that fired last.
+    previous: Option<f64>,
 }
 
 impl ActiveFaults {
@@ -213,23 +213,23 @@ impl ActiveFaults {
                 .iter()
                 .map(|fault| (*fault, VecDeque::new()))
                 .collect(),
-            earlier: None,
+            previous: None,
         }
     }
 
-    /// Which transducer fires and listens when this one is asked.
+    /// The transducer that fires and listens when the ring fires `sensor`: swapped cables.
     #[inline]
-    pub(super) fn asked(&self, sensor: usize) -> usize {
+    pub(super) fn wired_to(&self, sensor: usize) -> usize {
         self.faults
             .iter()
-            .fold(sensor, |asked, (fault, _)| match fault.kind {
-                FaultKind::Swapped(other) if asked == fault.sensor => other,
-                FaultKind::Swapped(other) if asked == other => fault.sensor,
-                _ => asked,
+            .fold(sensor, |wired, (fault, _)| match fault.kind {
+                FaultKind::Swapped(other) if wired == fault.sensor => other,
+                FaultKind::Swapped(other) if wired == other => fault.sensor,
+                _ => wired,
             })
     }
 
-    /// What the ring reports of a transducer that in good order would have reported `range`.
+    /// The reading of a transducer that without faults would be `range`.
     #[inline]
     pub(super) fn reported(
         &mut self,
@@ -237,13 +237,13 @@ impl ActiveFaults {
         range: Option<f64>,
         noise: &mut Noise,
     ) -> Option<f64> {
-        let earlier = std::mem::replace(&mut self.earlier, range);
-        let mine = self
+        let previous = std::mem::replace(&mut self.previous, range);
+        let own_faults = self
             .faults
             .iter_mut()
             .filter(|(fault, _)| fault.sensor == sensor);
-        mine.fold(range, |range, (fault, memory)| {
-            fault.kind.reported(range, earlier, memory, noise)
+        own_faults.fold(range, |range, (fault, history)| {
+            fault.kind.reported(range, previous, history, noise)
         })
     }
 }
@@ -270,7 +270,7 @@ mod tests {
     ];
 
     #[test]
-    fn a_fault_is_read_as_it_is_written() {
+    fn faults_round_trip_through_their_text() {
         for (text, name) in ONE_OF_EACH.into_iter().zip(FaultKind::NAMES) {
             assert_eq!(fault(text).to_string(), text);
             assert_eq!(fault(text).kind.name(), name);
@@ -278,41 +278,45 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_fault_is_refused_by_what_is_wrong_with_it() {
-        let say = |text: &str| {
-            let refused = text.parse::<TransducerFault>();
-            refused.expect_err(text).to_string()
+    fn invalid_faults_give_a_specific_error() {
+        let error = |text: &str| {
+            let parsed = text.parse::<TransducerFault>();
+            parsed.expect_err(text).to_string()
         };
-        assert!(say("daed:3").contains("did you mean \"dead\""));
-        assert!(say("dead").contains("0 to 15") && say("dead:16").contains("0 to 15"));
-        assert!(say("dead:3:1").contains("left over") && say("stuck:3:1:1").contains("left over"));
-        assert!(say("stuck:3").contains("range in meters"));
-        assert!(say("stuck:3:-1").contains("0 to 6.4"));
-        assert!(say("scaled:3:NaN").contains("share"));
-        for kind in ["jumping", "intermittent", "crosstalk"] {
-            assert!(say(&format!("{kind}:3:2")).contains("probability from 0 to 1"));
-        }
-        assert!(say("noisy:3:-0.1").contains("standard deviation"));
+        assert!(error("daed:3").contains("did you mean \"dead\""));
+        assert!(error("dead").contains("0 to 15") && error("dead:16").contains("0 to 15"));
         assert!(
-            say("delayed:3:0").contains("from 1 to 1000") && say("delayed:3:0.5").contains("1")
+            error("dead:3:1").contains("left over") && error("stuck:3:1:1").contains("left over")
         );
-        assert!(say("swapped:3:3").contains("another") && say("swapped:3:16").contains("0 to 15"));
+        assert!(error("stuck:3").contains("range in meters"));
+        assert!(error("stuck:3:-1").contains("0 to 6.4"));
+        assert!(error("scaled:3:NaN").contains("share"));
+        for kind in ["jumping", "intermittent", "crosstalk"] {
+            assert!(error(&format!("{kind}:3:2")).contains("probability from 0 to 1"));
+        }
+        assert!(error("noisy:3:-0.1").contains("standard deviation"));
+        assert!(
+            error("delayed:3:0").contains("from 1 to 1000") && error("delayed:3:0.5").contains("1")
+        );
+        assert!(
+            error("swapped:3:3").contains("another") && error("swapped:3:16").contains("0 to 15")
+        );
     }
 
-    /// A ring of two readings after another: those of transducer 2, then those of transducer 3.
-    fn said(text: &str, heard: &[Option<f64>]) -> Vec<Option<f64>> {
+    /// The readings of transducer 3 with a fault, for these ranges. Transducer 2 fires before it.
+    fn readings(text: &str, ranges: &[Option<f64>]) -> Vec<Option<f64>> {
         let (mut noise, mut faults) = (Noise::new(1), ActiveFaults::new(&[fault(text)]));
-        let each = heard.iter().map(|range| {
-            let earlier = faults.reported(2, Some(1.0), &mut noise);
-            assert_eq!(earlier, Some(1.0), "{text}: another one is in good order");
+        let readings = ranges.iter().map(|range| {
+            let other = faults.reported(2, Some(1.0), &mut noise);
+            assert_eq!(other, Some(1.0), "{text}: transducer 2 has no fault");
             faults.reported(3, *range, &mut noise)
         });
-        each.collect()
+        readings.collect()
     }
 
     #[test]
-    fn each_kind_changes_its_own_transducer_and_no_other() {
-        let one = |text, range| said(text, &[range])[0];
+    fn each_kind_changes_only_its_own_transducer() {
+        let one = |text, range| readings(text, &[range])[0];
         assert_eq!(one("dead:3", Some(2.0)), None);
         assert_eq!(one("stuck:3:0.5", None), Some(0.5));
         assert_eq!(one("scaled:3:0.5", Some(2.0)), Some(1.0));
@@ -326,37 +330,38 @@ mod tests {
         assert_eq!(one("crosstalk:3:1", Some(0.5)), Some(0.5));
         assert_eq!(one("crosstalk:3:1", None), Some(1.0));
         assert_eq!(one("crosstalk:3:0", None), None);
-        let jumps = said("jumping:3:1", &[None, None]);
+        let jumps = readings("jumping:3:1", &[None, None]);
         assert!(jumps[0] != jumps[1] && jumps.iter().all(|range| range.is_some_and(|r| r < 6.48)));
     }
 
     #[test]
-    fn a_late_transducer_reports_what_it_heard_then() {
-        let heard = [Some(1.0), None, Some(3.0), Some(4.0)];
-        let late = said("delayed:3:2", &heard);
-        assert_eq!(late, [None, None, Some(1.0), None]);
+    fn a_delayed_transducer_reports_earlier_readings() {
+        let ranges = [Some(1.0), None, Some(3.0), Some(4.0)];
+        let delayed = readings("delayed:3:2", &ranges);
+        assert_eq!(delayed, [None, None, Some(1.0), None]);
     }
 
-    /// Mean and scatter of 10 000 readings, and a share of silences, within five standard errors.
+    /// Tests mean and standard deviation of 10 000 readings, and the share without an echo, within
+    /// five standard errors.
     #[test]
-    fn noise_has_its_deviation_and_silence_its_share() {
-        let heard = [Some(3.0); 10_000];
-        let readings = said("noisy:3:0.2", &heard);
-        let errors: Vec<_> = readings.iter().flatten().map(|r| r - 3.0).collect();
+    fn noise_and_missing_echoes_have_their_rates() {
+        let ranges = [Some(3.0); 10_000];
+        let noisy = readings("noisy:3:0.2", &ranges);
+        let errors: Vec<_> = noisy.iter().flatten().map(|r| r - 3.0).collect();
         let count = errors.len() as f64;
         let mean = errors.iter().sum::<f64>() / count;
         let variance = errors.iter().map(|e| e * e).sum::<f64>() / count;
         assert!(mean.abs() < 0.01 && (variance.sqrt() - 0.2).abs() < 0.007);
-        let readings = said("intermittent:3:0.25", &heard);
-        let silent = readings.iter().filter(|range| range.is_none()).count();
-        assert!((2_284..2_717).contains(&silent), "{silent}");
+        let intermittent = readings("intermittent:3:0.25", &ranges);
+        let missing = intermittent.iter().filter(|range| range.is_none()).count();
+        assert!((2_284..2_717).contains(&missing), "{missing}");
     }
 
     #[test]
-    fn exchanged_cables_exchange_both() {
+    fn swapped_cables_swap_both_transducers() {
         let faults = ActiveFaults::new(&[fault("swapped:3:7")]);
-        let asked = [2, 3, 4, 7].map(|sensor| faults.asked(sensor));
-        assert_eq!(asked, [2, 7, 4, 3]);
+        let wired = [2, 3, 4, 7].map(|sensor| faults.wired_to(sensor));
+        assert_eq!(wired, [2, 7, 4, 3]);
         assert_eq!(FaultKind::Swapped(8).turned(10), FaultKind::Swapped(2));
         assert_eq!(FaultKind::Dead.turned(10), FaultKind::Dead);
     }

@@ -1,8 +1,9 @@
-//! What one Polaroid transducer can hear from where it is.
+//! The first echo of one Polaroid transducer.
 //!
-//! Rays over the lobe and towards likely places find what the transducer can see. A flat face
-//! answers near its normal and is a mirror otherwise; circles and corners answer at any angle. Each
-//! answers once, at its nearest point (regions of constant depth, Leonard and Durrant-Whyte).
+//! Rays over the lobe, and towards likely reflectors, find the visible surfaces. A flat face
+//! returns an echo near its normal and is a mirror otherwise; circles and corners return one at any
+//! angle. Each surface returns one echo, from its nearest point (regions of constant depth, Leonard
+//! and Durrant-Whyte).
 
 use core::f64::consts::PI;
 
@@ -10,18 +11,18 @@ use super::config::SonarConfig;
 use crate::caster::{Fan, Hit, LobeHit, LobeView, Surface};
 use crate::world::{Point, World};
 
-/// Scratch memory and precomputed directions.
+/// Search for the first echo: precomputed directions and scratch memory.
 #[derive(Debug, Clone)]
 pub(crate) struct Hearing {
     fan: Fan,
     cos_half_angle: f64,
     cos_max_incidence: f64,
-    /// Cosine of the angle between axis and normal beyond which a face answers no ray of the lobe.
+    /// Cosine of the largest angle between axis and normal at which a face can return an echo.
     least_facing: f64,
     promising: Vec<Point>,
-    /// Rays of the fan and what they met first.
+    /// Rays of the fan and their first hits.
     fan_hits: Vec<(Point, LobeHit)>,
-    answers: Answers,
+    surface_echoes: SurfaceEchoes,
 }
 
 impl Hearing {
@@ -31,55 +32,55 @@ impl Hearing {
             fan: Fan::new(config.fan_rays.max(2), half_angle),
             cos_half_angle: libm::cos(half_angle),
             cos_max_incidence: libm::cos(max_incidence),
-            // Less by far more than any rounding.
+            // The margin exceeds any rounding error.
             least_facing: libm::cos((half_angle + max_incidence).min(PI)) - 1e-6,
             promising: Vec::new(),
             fan_hits: Vec::new(),
-            answers: Answers::default(),
+            surface_echoes: SurfaceEchoes::default(),
         }
     }
 
-    /// Range of the first echo after the blanking, m, of what the lobe was aimed at.
+    /// Range of the first echo after the blanking, m, for a lobe that is aimed.
     pub(crate) fn first_echo(
         &mut self,
         world: &World,
         lobe: &mut LobeView,
         config: &SonarConfig,
     ) -> Option<f64> {
-        self.aim_at_promising(lobe);
+        self.collect_promising(lobe);
         if config.blanking_m > 0.0 || config.bounces > 0 || !self.fan.is_narrow() {
-            return self.first_by_rays(world, lobe, config);
+            return self.first_echo_by_rays(world, lobe, config);
         }
         let (least_cos, facing) = (self.cos_max_incidence, self.least_facing);
         let answer = lobe.nearest_answer(&self.fan, &self.promising, least_cos, facing);
-        let most = answer.min(config.max_range_m);
-        let corner = lobe.nearest_corner(0.0, most).unwrap_or(f64::INFINITY);
+        let max_range = answer.min(config.max_range_m);
+        let corner = lobe.nearest_corner(0.0, max_range).unwrap_or(f64::INFINITY);
         let first = answer.min(corner);
         (first <= config.max_range_m).then_some(first)
     }
 
-    /// The same by all rays.
+    /// As [`first_echo`](Self::first_echo), by casting every ray.
     #[inline(never)]
-    fn first_by_rays(
+    fn first_echo_by_rays(
         &mut self,
         world: &World,
         lobe: &mut LobeView,
         config: &SonarConfig,
     ) -> Option<f64> {
         let mut first = FirstInRange {
-            least: config.blanking_m,
-            most: config.max_range_m,
+            min: config.blanking_m,
+            max: config.max_range_m,
             range: None,
         };
-        self.hear_rays(lobe, &mut first);
-        self.follow(world, lobe, config.bounces, &mut first);
-        if let Some(corner) = lobe.nearest_corner(first.least, first.range.unwrap_or(first.most)) {
+        self.cast_rays(lobe, &mut first);
+        self.follow_reflections(world, lobe, config.bounces, &mut first);
+        if let Some(corner) = lobe.nearest_corner(first.min, first.range.unwrap_or(first.max)) {
             first.offer(corner);
         }
         first.range
     }
 
-    fn aim_at_promising(&mut self, lobe: &LobeView) {
+    fn collect_promising(&mut self, lobe: &LobeView) {
         let axis = lobe.lobe().axis;
         self.promising.clear();
         for direction in lobe.promising() {
@@ -89,31 +90,37 @@ impl Hearing {
         }
     }
 
-    /// Casts every ray and offers the nearest answer of each surface: one that answers too early
-    /// does not answer again.
-    fn hear_rays(&mut self, lobe: &LobeView, first: &mut FirstInRange) {
+    /// Casts every ray and offers the nearest echo of each surface. A surface whose nearest echo is
+    /// blanked gives no later echo.
+    fn cast_rays(&mut self, lobe: &LobeView, first: &mut FirstInRange) {
         let axis = lobe.lobe().axis;
         self.fan_hits.clear();
-        self.answers.clear();
+        self.surface_echoes.clear();
         for direction in self.fan.directions() {
             let ray = direction.turned(axis);
             if let Some(hit) = lobe.cast(ray) {
                 self.fan_hits.push((ray, hit));
-                self.answers.add(&hit, self.cos_max_incidence);
+                self.surface_echoes.add(&hit, self.cos_max_incidence);
             }
         }
         for &ray in &self.promising {
             if let Some(hit) = lobe.cast(ray) {
-                self.answers.add(&hit, self.cos_max_incidence);
+                self.surface_echoes.add(&hit, self.cos_max_incidence);
             }
         }
-        for &(_, range) in &self.answers.nearest {
+        for &(_, range) in &self.surface_echoes.nearest {
             first.offer(range);
         }
     }
 
-    /// Follows the rays of the fan that faces mirror, up to `bounces` times.
-    fn follow(&self, world: &World, lobe: &LobeView, bounces: usize, first: &mut FirstInRange) {
+    /// Follows the rays of the fan that faces reflect, up to `bounces` times.
+    fn follow_reflections(
+        &self,
+        world: &World,
+        lobe: &LobeView,
+        bounces: usize,
+        first: &mut FirstInRange,
+    ) {
         let tip = lobe.lobe().tip;
         for (ray, hit) in &self.fan_hits {
             let Some(mut normal) = hit.normal else {
@@ -123,43 +130,43 @@ impl Hearing {
                 continue;
             }
             let (mut at, mut direction) = (tip, *ray);
-            let (mut last_way, mut way) = (hit.distance_m, hit.distance_m);
+            let (mut last_m, mut total_m) = (hit.distance_m, hit.distance_m);
             for _ in 0..bounces {
-                at = at + direction * last_way;
+                at = at + direction * last_m;
                 direction = direction - normal * (2.0 * direction.dot(normal));
                 let Some(next) = world.cast(at, direction) else {
                     break;
                 };
-                way += next.distance_m;
-                if self.answers_from(&next) {
-                    first.offer(way);
+                total_m += next.distance_m;
+                if self.returns_echo(&next) {
+                    first.offer(total_m);
                     break;
                 }
-                (last_way, normal) = (next.distance_m, next.normal);
+                (last_m, normal) = (next.distance_m, next.normal);
             }
         }
     }
 
-    fn answers_from(&self, hit: &Hit) -> bool {
+    fn returns_echo(&self, hit: &Hit) -> bool {
         matches!(hit.surface, Surface::Circle(_)) || hit.cos_incidence >= self.cos_max_incidence
     }
 }
 
-/// The nearest answer of each surface.
+/// The nearest echo of each surface.
 #[derive(Debug, Clone, Default)]
-struct Answers {
-    /// Number of the surface, and how far, m.
+struct SurfaceEchoes {
+    /// Number of the surface, and distance of its echo, m.
     nearest: Vec<(f64, f64)>,
 }
 
-impl Answers {
+impl SurfaceEchoes {
     fn clear(&mut self) {
         self.nearest.clear();
     }
 
-    /// Adds a hit if it answers: if its cosine is at least `least_cos`.
-    fn add(&mut self, hit: &LobeHit, least_cos: f64) {
-        if hit.cos_incidence < least_cos {
+    /// Adds a hit if it returns an echo: if its cosine is at least `min_cos`.
+    fn add(&mut self, hit: &LobeHit, min_cos: f64) {
+        if hit.cos_incidence < min_cos {
             return;
         }
         let mut known = self.nearest.iter_mut();
@@ -170,22 +177,22 @@ impl Answers {
     }
 }
 
-/// The least range offered that lies within limits.
+/// The smallest offered range within limits.
 struct FirstInRange {
-    least: f64,
-    most: f64,
+    min: f64,
+    max: f64,
     range: Option<f64>,
 }
 
 impl FirstInRange {
     fn offer(&mut self, range: f64) {
-        if self.wants(range) {
+        if self.improves(range) {
             self.range = Some(range);
         }
     }
 
-    fn wants(&self, range: f64) -> bool {
+    fn improves(&self, range: f64) -> bool {
         let better = self.range.is_none_or(|known| range < known);
-        better && range >= self.least && range <= self.most
+        better && range >= self.min && range <= self.max
     }
 }

@@ -1,9 +1,9 @@
-//! The unit of the ring's readings: whole inches in a byte.
+//! Unit of the ring's readings: whole inches in a byte.
 
 /// Length of an inch, m.
 pub const M_PER_INCH: f64 = 0.0254;
 
-/// The largest reading, in: what a transducer that hears nothing reports.
+/// The largest reading, in: no echo.
 pub const MAX_READING_IN: u8 = 255;
 
 pub(super) const INCHES_PER_M: f64 = 1.0 / M_PER_INCH;
@@ -17,6 +17,6 @@ pub(super) fn whole_inches(range_m: f64) -> f64 {
 #[must_use]
 pub fn reading_in(range: Option<f64>) -> u8 {
     let inches = range.map_or(f64::INFINITY, whole_inches);
-    // In range by the clamp; a NaN becomes 0.
+    // The clamp keeps the cast in range; NaN becomes 0.
     inches.clamp(0.0, f64::from(MAX_READING_IN)) as u8
 }

@@ -1,14 +1,14 @@
-//! The ring of Polaroid sonars: where the transducers sit, when they fire, and what they return.
+//! The ring of Polaroid sonars: geometry, firing order and readings.
 //!
-//! Three models ([`SonarModel`]), each a set of numbers ([`SonarConfig`]): *ideal* is exact,
-//! *nomad* is a ring in good order, *harsh* a bad day. A reading is a range in meters, or `None`
-//! when the ring reports 255 in: nothing heard, or nothing nearer than that.
+//! There are three models ([`SonarModel`]), each with its parameters ([`SonarConfig`]): *ideal* is
+//! exact, *nomad* is a ring without faults, *harsh* has every disturbance. A reading is a range in
+//! meters, or `None` if the ring reports 255 in: no echo within that range.
 
 use core::f64::consts::TAU;
 
 use crate::caster::{ConeShape, LobeView, SonarLobe};
 use crate::direction::CachedDirection;
-use crate::noise::{Deviate, Noise};
+use crate::noise::{Noise, NormalDeviate};
 use crate::world::{LastWorld, Point, Pose, World};
 
 mod config;
@@ -32,23 +32,23 @@ pub const FIRING_ORDER: [usize; 16] = [0, 2, 15, 1, 14, 3, 13, 4, 12, 5, 11, 6, 
 /// units of 4 ms.
 pub const FIRING_SLOT_S: f64 = 0.040;
 
-/// Time in which a whole ring of 16 fires, s.
+/// Time in which all 16 transducers fire once, s.
 pub const RING_PERIOD_S: f64 = 0.640;
 
 /// Speed of sound at 20 °C, m/s.
 pub const SOUND_M_S: f64 = 343.2;
 
-/// Transducers on a circle, evenly spaced, number 0 where the turret looks, counted to the left.
+/// Transducers on a circle, evenly spaced. Number 0 points ahead; numbers increase to the left.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RingGeometry {
-    /// How many transducers, at least 1.
+    /// Number of transducers, at least 1.
     pub count: usize,
-    /// From the turret's axis to each transducer's face, m.
+    /// Distance from the turret's axis to each transducer's face, m.
     pub face_radius_m: f64,
 }
 
 impl Default for RingGeometry {
-    /// The Nomad 200: 16 transducers, 0.2305 m out.
+    /// The Nomad 200: 16 transducers at 0.2305 m.
     fn default() -> Self {
         Self {
             count: 16,
@@ -58,14 +58,13 @@ impl Default for RingGeometry {
 }
 
 impl RingGeometry {
-    /// Bearing of a transducer from the turret's heading, rad, to the left.
+    /// Bearing of a transducer relative to the turret's heading, rad, positive to the left.
     #[must_use]
     pub fn bearing(&self, sensor: usize) -> f64 {
         TAU * sensor as f64 / self.count.max(1) as f64
     }
 
-    /// The order in which the transducers fire: the Nomad's for 16, else front first, then
-    /// alternating sides.
+    /// Firing order: the Nomad's for 16 transducers, otherwise front first, then alternating sides.
     #[must_use]
     pub fn firing_order(&self) -> Vec<usize> {
         if self.count == FIRING_ORDER.len() {
@@ -84,17 +83,17 @@ impl RingGeometry {
     }
 }
 
-/// A ping that may still be in the air.
+/// An earlier ping that may still reverberate.
 #[derive(Debug, Clone, Copy)]
 struct EarlierPing {
     time_s: f64,
     echo_m: f64,
 }
 
-/// The first echo a transducer heard.
+/// First echo of a transducer.
 #[derive(Debug, Clone, Copy, Default)]
 struct FirstEcho {
-    /// From where, in the world as it stands.
+    /// Pose of the robot at this echo; `None` = not valid in the current world.
     from: Option<Pose>,
     range_m: Option<f64>,
 }
@@ -108,14 +107,14 @@ pub struct Ring {
     /// Axis of each transducer, relative to the turret's heading.
     axes: Vec<Point>,
     cone: ConeShape,
-    /// What each transducer can meet.
+    /// Surfaces in the lobe of each transducer.
     lobes: Vec<LobeView>,
     hearing: Hearing,
-    /// The least reading, in.
-    least_in: f64,
+    /// The smallest reading, in.
+    min_in: f64,
     world: LastWorld,
     heading: CachedDirection,
-    /// What each transducer heard last.
+    /// Last echo of each transducer.
     echoes: Vec<FirstEcho>,
     dead: Option<usize>,
     faults: ActiveFaults,
@@ -123,15 +122,14 @@ pub struct Ring {
 }
 
 impl Ring {
-    /// A Nomad ring of a ready-made model. `noise` decides which transducer is dead, if one is.
+    /// A Nomad ring of a predefined model. `noise` selects the dead transducer, if there is one.
     #[must_use]
     pub fn new(model: SonarModel, noise: &mut Noise) -> Self {
         Self::with_config(model, RingGeometry::default(), model.config(), noise)
     }
 
-    /// A ring with its own geometry and numbers; `model` says whether readings are exact
-    /// ([`SonarModel::Ideal`]) or what a transducer hears. Numbers outside their range are brought
-    /// into it.
+    /// A ring with its own geometry and parameters. Readings are exact for [`SonarModel::Ideal`],
+    /// otherwise simulated. Parameters outside their range are clamped.
     #[must_use]
     pub fn with_config(
         model: SonarModel,
@@ -150,7 +148,7 @@ impl Ring {
             cone: ConeShape::new(half_angle),
             lobes: vec![LobeView::default(); geometry.count],
             hearing: Hearing::new(&config, half_angle),
-            least_in: whole_inches(config.min_range_m),
+            min_in: whole_inches(config.min_range_m),
             world: LastWorld::default(),
             heading: CachedDirection::new(0.0),
             echoes: vec![FirstEcho::default(); geometry.count],
@@ -170,31 +168,31 @@ impl Ring {
         self
     }
 
-    /// Where the transducers sit.
+    /// Geometry of the ring.
     #[must_use]
     pub fn geometry(&self) -> RingGeometry {
         self.geometry
     }
 
-    /// The model's numbers.
+    /// Parameters of the model.
     #[must_use]
     pub fn config(&self) -> &SonarConfig {
         &self.config
     }
 
-    /// Which model this ring follows.
+    /// The model.
     #[must_use]
     pub fn model(&self) -> SonarModel {
         self.model
     }
 
-    /// The transducer that never hears anything, if there is one.
+    /// The dead transducer, if there is one.
     #[must_use]
     pub fn dead(&self) -> Option<usize> {
         self.dead
     }
 
-    /// The exact ranges of all transducers at once, m, whatever the model, changed by the faults.
+    /// The exact ranges of all transducers at once, m, for any model, changed by the faults.
     pub fn scan_with_faults(
         &mut self,
         world: &World,
@@ -203,28 +201,28 @@ impl Ring {
         noise: &mut Noise,
     ) {
         self.scan(world, pose, out);
-        let heard = *out;
+        let exact = *out;
         for (sensor, range) in out.iter_mut().enumerate() {
-            let asked = self.faults.asked(sensor);
-            let heard = heard.get(asked).copied().flatten();
-            *range = self.faults.reported(sensor, heard, noise);
+            let fired = self.faults.wired_to(sensor);
+            let exact = exact.get(fired).copied().flatten();
+            *range = self.faults.reported(sensor, exact, noise);
         }
     }
 
-    /// The exact ranges, m, of all transducers at once, whatever the model: `out[i]` for transducer
-    /// i, as far as `out` reaches. `None` beyond the greatest range.
+    /// The exact ranges of all transducers at once, m, for any model: `out[i]` is that of
+    /// transducer i. `None` beyond the maximum range.
     pub fn scan(&mut self, world: &World, pose: &Pose, out: &mut [Option<f64>]) {
         let (offset, reach) = (self.geometry.face_radius_m, self.config.max_range_m);
         let view = world.view(pose.position, offset, reach);
-        let heading = self.look_along(pose.heading);
+        let heading = self.heading_vector(pose.heading);
         for (axis, out) in self.axes.iter().zip(out) {
             let range = view.nearest_in_cone(axis.turned(heading), self.cone);
             *out = (range <= reach).then_some(range);
         }
     }
 
-    /// Fires one transducer at `time_s` from where the robot is then. A `sensor` the ring does not
-    /// have hears nothing.
+    /// Fires one transducer at `time_s` with the robot at `pose`. `None` for a `sensor` that does
+    /// not exist.
     pub fn ping(
         &mut self,
         world: &World,
@@ -233,12 +231,13 @@ impl Ring {
         time_s: f64,
         noise: &mut Noise,
     ) -> Option<f64> {
-        let heard = self.heard(world, pose, self.faults.asked(sensor), time_s, noise);
-        self.faults.reported(sensor, heard, noise)
+        let fired = self.faults.wired_to(sensor);
+        let reading = self.reading(world, pose, fired, time_s, noise);
+        self.faults.reported(sensor, reading, noise)
     }
 
-    /// What a transducer in good order would report.
-    fn heard(
+    /// The reading of a transducer without faults.
+    fn reading(
         &mut self,
         world: &World,
         pose: &Pose,
@@ -248,24 +247,24 @@ impl Ring {
     ) -> Option<f64> {
         let axis = *self.axes.get(sensor)?;
         if self.model == SonarModel::Ideal {
-            let axis = axis.turned(self.look_along(pose.heading));
+            let axis = axis.turned(self.heading_vector(pose.heading));
             let (offset, reach) = (self.geometry.face_radius_m, self.config.max_range_m);
             let view = world.view(pose.position, offset, reach);
             let range = view.nearest_in_cone(axis, self.cone);
             return (range <= reach).then_some(range);
         }
         let echo = self.echo(world, pose, sensor, axis);
-        let heard = self.with_crosstalk(echo, time_s, noise);
+        let echo_or_crosstalk = self.with_crosstalk(echo, time_s, noise);
         if self.dead == Some(sensor) {
             return None;
         }
         self.earlier = echo
             .map(|echo_m| EarlierPing { time_s, echo_m })
             .or(self.earlier);
-        self.as_reported(heard, noise)
+        self.with_noise(echo_or_crosstalk, noise)
     }
 
-    /// The first echo a transducer hears: the last one, if neither robot nor world have moved.
+    /// The first echo of a transducer. Reuses the last one if neither robot nor world moved.
     fn echo(&mut self, world: &World, pose: &Pose, sensor: usize, axis: Point) -> Option<f64> {
         if !self.world.is_same(world) {
             self.echoes.iter_mut().for_each(|echo| echo.from = None);
@@ -274,7 +273,7 @@ impl Ring {
         if last.from.as_ref() == Some(pose) {
             return last.range_m;
         }
-        let axis = axis.turned(self.look_along(pose.heading));
+        let axis = axis.turned(self.heading_vector(pose.heading));
         let lobe = SonarLobe {
             tip: pose.position + axis * self.geometry.face_radius_m,
             axis,
@@ -293,24 +292,24 @@ impl Ring {
         range_m
     }
 
-    /// The unit vector along a heading, rad, computed only when the heading changes.
-    fn look_along(&mut self, heading: f64) -> Point {
+    /// The unit vector along a heading in rad; computed only if the heading changed.
+    fn heading_vector(&mut self, heading: f64) -> Point {
         self.heading.set(heading);
         self.heading.unit()
     }
 
-    /// The echo, or the reverberation of the ping before if that comes earlier. Sound that goes to
-    /// and fro between the robot and what answered arrives again and again, one echo's time apart.
+    /// The echo, or a reverberation of the previous ping if that arrives earlier. Sound that is
+    /// reflected between robot and surface arrives repeatedly, at multiples of the echo's time.
     fn with_crosstalk(&self, echo: Option<f64>, time_s: f64, noise: &mut Noise) -> Option<f64> {
-        let loud = noise.chance(self.config.crosstalk);
-        let Some(earlier) = self.earlier.filter(|_| loud) else {
+        let is_loud = noise.chance(self.config.crosstalk);
+        let Some(earlier) = self.earlier.filter(|_| is_loud) else {
             return echo;
         };
-        let waited_m = (time_s - earlier.time_s) * SOUND_M_S / 2.0;
-        let least = self.config.blanking_m.max(self.config.min_range_m);
+        let elapsed_m = (time_s - earlier.time_s) * SOUND_M_S / 2.0;
+        let min_range = self.config.blanking_m.max(self.config.min_range_m);
         let mut arrivals = (2..=self.config.reverberations)
-            .map(|times| f64::from(times) * earlier.echo_m - waited_m);
-        let first = arrivals.find(|&range| range >= least);
+            .map(|times| f64::from(times) * earlier.echo_m - elapsed_m);
+        let first = arrivals.find(|&range| range >= min_range);
         match (first, echo) {
             (Some(false_echo), Some(echo)) => Some(false_echo.min(echo)),
             (Some(false_echo), None) => Some(false_echo),
@@ -318,8 +317,8 @@ impl Ring {
         }
     }
 
-    /// The reading for what a transducer heard: misses, random readings, noise, whole inches.
-    fn as_reported(&self, heard: Option<f64>, noise: &mut Noise) -> Option<f64> {
+    /// The reading for an echo: misses, random readings, noise, whole inches.
+    fn with_noise(&self, echo: Option<f64>, noise: &mut Noise) -> Option<f64> {
         let config = &self.config;
         if noise.chance(config.missed) {
             return None;
@@ -327,27 +326,27 @@ impl Ring {
         let inches = if noise.chance(config.random) {
             whole_inches(noise.uniform_in(config.min_range_m, config.max_range_m))
         } else {
-            let range = heard?;
+            let range = echo?;
             let sigma_m = config.sigma_m.max(config.sigma_share * range);
-            noisy_inches(range, sigma_m, noise.deviate())
+            noisy_inches(range, sigma_m, noise.normal_deviate())
         };
-        let inches = inches.max(self.least_in);
+        let inches = inches.max(self.min_in);
         (inches < f64::from(MAX_READING_IN)).then_some(inches * M_PER_INCH)
     }
 }
 
-/// A range plus a deviate times its standard deviation, in whole inches. The exact deviate is
-/// computed only where the approximate one does not determine the inches.
+/// A range plus a deviate times the standard deviation, in whole inches. Evaluates the deviate
+/// exactly only if its approximation does not determine the result.
 #[inline]
-fn noisy_inches(range_m: f64, sigma_m: f64, deviate: Deviate) -> f64 {
-    /// Far above any rounding.
+fn noisy_inches(range_m: f64, sigma_m: f64, deviate: NormalDeviate) -> f64 {
+    /// Margin for rounding.
     const SLACK_IN: f64 = 1e-6;
-    /// Numbers near this one are whole.
-    const WHOLE: f64 = (3_u64 << 51) as f64;
+    /// An `f64` of this magnitude has no fraction, so adding it rounds to an integer.
+    const ROUNDING_OFFSET: f64 = (3_u64 << 51) as f64;
     let (range_in, sigma_in) = (range_m * INCHES_PER_M, sigma_m * INCHES_PER_M);
-    let about = range_in + deviate.about() * sigma_in;
-    let whole = (about + WHOLE) - WHOLE;
-    if (about - whole).abs() + Deviate::ERROR * sigma_in < 0.5 - SLACK_IN {
+    let approximate = range_in + deviate.approximate() * sigma_in;
+    let whole = (approximate + ROUNDING_OFFSET) - ROUNDING_OFFSET;
+    if (approximate - whole).abs() + NormalDeviate::MAX_ERROR * sigma_in < 0.5 - SLACK_IN {
         whole
     } else {
         whole_inches(range_m + deviate.exact() * sigma_m)

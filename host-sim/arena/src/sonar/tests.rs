@@ -3,7 +3,7 @@ use crate::world::Shape;
 use core::f64::consts::PI;
 
 fn world(shapes: Vec<Shape>) -> World {
-    // The robot stands elsewhere than the start, which a far post keeps legal.
+    // A start far away is always legal; the tests place the robot elsewhere.
     let start = Pose::new(Point::new(500.0, 0.0), 0.0);
     World::new("test", start, shapes).unwrap()
 }
@@ -21,7 +21,7 @@ fn post(x: f64, y: f64, radius: f64) -> Shape {
     }
 }
 
-/// A wall at 2 m whose normal points `degrees` away from the axis of sonar 0, `half` m to either
+/// A wall at 2 m whose normal is `degrees` from the axis of sonar 0; it extends `half` m to either
 /// side.
 fn oblique(degrees: f64, half: f64) -> Shape {
     let along = Point::unit((90.0 + degrees) * PI / 180.0);
@@ -29,8 +29,8 @@ fn oblique(degrees: f64, half: f64) -> Shape {
     wall(&[(2.0 + a.x, a.y), (2.0 + b.x, b.y)])
 }
 
-/// Numbers of a model without its chance.
-fn quiet(model: SonarModel) -> SonarConfig {
+/// Parameters of a model without randomness.
+fn deterministic(model: SonarModel) -> SonarConfig {
     SonarConfig {
         sigma_m: 0.0,
         sigma_share: 0.0,
@@ -46,7 +46,7 @@ fn ring(model: SonarModel, config: SonarConfig) -> Ring {
     Ring::with_config(model, RingGeometry::default(), config, &mut Noise::new(1))
 }
 
-/// What sonar 0 reports, in inches, at the origin.
+/// Reading of sonar 0 at the origin, in.
 fn ping(world: &World, config: SonarConfig) -> u8 {
     let mut ring = ring(SonarModel::Harsh, config);
     reading_in(ring.ping(world, &Pose::default(), 0, 0.0, &mut Noise::new(2)))
@@ -103,8 +103,8 @@ fn a_scan_is_exact_and_ends_at_255_inches() {
 }
 
 #[test]
-fn a_wall_answers_near_its_normal_only() {
-    let config = quiet(SonarModel::Nomad);
+fn a_wall_returns_an_echo_only_near_its_normal() {
+    let config = deterministic(SonarModel::Nomad);
     assert_eq!(ping(&world(vec![oblique(0.0, 5.0)]), config), inches(2.0));
     // The wall's normal 30° off the axis: the lobe's edge meets it at 15°, the foot is outside.
     let degrees = |d: f64| d * PI / 180.0;
@@ -113,7 +113,7 @@ fn a_wall_answers_near_its_normal_only() {
         ping(&world(vec![oblique(30.0, 8.0)]), config),
         reading_in(Some(expected))
     );
-    // At 39° the lobe's edge still meets it at 24°, at 41° nothing answers.
+    // At 39° the lobe's edge hits it at 24°; at 41° there is no echo.
     assert!(ping(&world(vec![oblique(39.0, 8.0)]), config) < MAX_READING_IN);
     assert_eq!(
         ping(&world(vec![oblique(41.0, 8.0)]), config),
@@ -123,7 +123,7 @@ fn a_wall_answers_near_its_normal_only() {
         ping(&world(vec![oblique(-41.0, 8.0)]), config),
         MAX_READING_IN
     );
-    // What the ideal model sees there nevertheless.
+    // With a larger maximum incidence there is an echo.
     assert!(
         ping(
             &world(vec![oblique(41.0, 8.0)]),
@@ -136,15 +136,15 @@ fn a_wall_answers_near_its_normal_only() {
 }
 
 #[test]
-fn corners_edges_and_posts_answer_at_any_angle() {
-    let config = quiet(SonarModel::Nomad);
+fn corners_edges_and_posts_return_an_echo_at_any_angle() {
+    let config = deterministic(SonarModel::Nomad);
     // The free end of a wall seen under 60°.
     let end = world(vec![wall(&[(2.0, 0.1), (4.0, 3.5641)])]);
     assert_eq!(
         ping(&end, config),
         reading_in(Some(Point::new(2.0 - 0.2305, 0.1).length()))
     );
-    // A box seen edge on: both of its faces look away by 45°, the edge between them answers.
+    // A box seen at its edge: both faces are at 45°, the edge between them returns the echo.
     let turned = Shape::Box {
         center: Point::new(3.0, 0.0),
         size: Point::new(1.0, 1.0),
@@ -158,7 +158,7 @@ fn corners_edges_and_posts_answer_at_any_angle() {
         ping(&world(vec![post(3.0, 0.4, 0.02)]), config),
         reading_in(Some(Point::new(3.0 - 0.2305, 0.4).length() - 0.02))
     );
-    // Outside the lobe of ±15° nothing answers.
+    // Outside the lobe of ±15° there is no echo.
     assert_eq!(
         ping(&world(vec![post(3.0, 0.9, 0.02)]), config),
         MAX_READING_IN
@@ -166,38 +166,38 @@ fn corners_edges_and_posts_answer_at_any_angle() {
 }
 
 #[test]
-fn what_is_hidden_does_not_answer() {
-    let config = quiet(SonarModel::Nomad);
-    // A wall too oblique to answer hides the post and the wall behind it.
+fn hidden_surfaces_return_no_echo() {
+    let config = deterministic(SonarModel::Nomad);
+    // A wall too oblique for an echo hides the post and the wall behind it.
     let screen = oblique(60.0, 4.0);
     let behind = [post(5.0, 0.0, 0.05), wall(&[(6.0, -3.0), (6.0, 3.0)])];
     let mut shapes = behind.to_vec();
     assert_eq!(ping(&world(shapes.clone()), config), inches(4.95));
     shapes.push(screen);
     assert_eq!(ping(&world(shapes), config), MAX_READING_IN);
-    // Nor does the end of a wall behind it.
+    // It also hides the end of a wall.
     let end = wall(&[(5.0, 0.0), (8.0, 8.0)]);
     assert_eq!(ping(&world(vec![end.clone()]), config), inches(5.0));
     assert_eq!(
         ping(&world(vec![end, oblique(60.0, 4.0)]), config),
         MAX_READING_IN
     );
-    // A post behind a nearer wall that answers is not heard, even once the wall is blanked out.
+    // A post behind a nearer wall returns no echo, even if the wall's echo is blanked.
     let near = [wall(&[(0.5, -3.0), (0.5, 3.0)]), post(2.0, 0.0, 0.05)];
     assert_eq!(ping(&world(near.to_vec()), config), inches(0.5));
     assert_eq!(
-        ping(&world(near.to_vec()), quiet(SonarModel::Harsh)),
+        ping(&world(near.to_vec()), deterministic(SonarModel::Harsh)),
         MAX_READING_IN
     );
 }
 
 #[test]
-fn readings_are_whole_inches_from_6_to_255_with_the_spread_they_promise() {
+fn readings_are_whole_inches_with_the_expected_noise() {
     let world = world(vec![wall(&[(4.2305, -3.0), (4.2305, 3.0)])]);
     let mut noise = Noise::new(3);
     let mut ring = Ring::new(SonarModel::Nomad, &mut noise);
     let pings = 20_000;
-    let (mut missed, mut wild, mut sum, mut squares, mut near) = (0, 0, 0.0, 0.0, 0.0);
+    let (mut missed, mut random, mut sum, mut squares, mut near) = (0, 0, 0.0, 0.0, 0.0);
     for _ in 0..pings {
         let Some(range) = ring.ping(&world, &Pose::default(), 0, 0.0, &mut noise) else {
             missed += 1;
@@ -208,7 +208,7 @@ fn readings_are_whole_inches_from_6_to_255_with_the_spread_they_promise() {
         assert!((inches - whole).abs() < 1e-9 && (6.0..255.0).contains(&whole));
         let error = range - 4.0;
         if error.abs() > 0.25 {
-            wild += 1;
+            random += 1;
         } else {
             sum += error;
             squares += error * error;
@@ -217,9 +217,9 @@ fn readings_are_whole_inches_from_6_to_255_with_the_spread_they_promise() {
     }
     // Four standard deviations of the counts around 1 % and around 0.5 % of the rest.
     assert!((143..=257).contains(&missed), "{missed}");
-    assert!((54..=136).contains(&wild), "{wild}");
+    assert!((54..=136).contains(&random), "{random}");
     let (mean, deviation) = (sum / near, (squares / near).sqrt());
-    // 1 % of 4 m, and the rounding's 25.4 mm / √12 beside it.
+    // 1 % of 4 m, plus the rounding's 25.4 mm / √12.
     let expected = (0.04f64.powi(2) + M_PER_INCH.powi(2) / 12.0).sqrt();
     assert!(
         mean.abs() < 0.002 && (deviation / expected - 1.0).abs() < 0.03,
@@ -230,12 +230,12 @@ fn readings_are_whole_inches_from_6_to_255_with_the_spread_they_promise() {
 #[test]
 fn nearer_than_six_inches_reads_six() {
     let near = world(vec![wall(&[(0.29, -3.0), (0.29, 3.0)])]);
-    assert_eq!(ping(&near, quiet(SonarModel::Nomad)), 6);
+    assert_eq!(ping(&near, deterministic(SonarModel::Nomad)), 6);
 }
 
 #[test]
-fn a_blanked_echo_gives_way_to_the_next_one() {
-    let config = quiet(SonarModel::Harsh);
+fn a_blanked_echo_is_replaced_by_the_next_one() {
+    let config = deterministic(SonarModel::Harsh);
     let far = wall(&[(3.0, -3.0), (3.0, 3.0)]);
     let at = |x: f64| world(vec![post(x, 0.0, 0.02), far.clone()]);
     assert_eq!(
@@ -244,29 +244,31 @@ fn a_blanked_echo_gives_way_to_the_next_one() {
     );
     assert_eq!(ping(&at(0.2305 + 0.02 + 0.42), config), inches(3.0));
     assert_eq!(
-        ping(&at(0.2305 + 0.02 + 0.42), quiet(SonarModel::Nomad)),
+        ping(&at(0.2305 + 0.02 + 0.42), deterministic(SonarModel::Nomad)),
         reading_in(Some(0.42))
     );
 }
 
 #[test]
-fn a_mirror_shows_what_is_round_the_corner() {
-    // A face at 45°, wider than the lobe, turns sonar 0's beam to the right, on to a wall 3 m away
-    // that it meets head on.
+fn an_oblique_face_reflects_the_beam() {
+    // A face at 45°, wider than the lobe, reflects the beam of sonar 0 to a wall 3 m on the right.
     let world = world(vec![oblique(45.0, 1.2), wall(&[(-1.0, -3.0), (5.0, -3.0)])]);
-    assert_eq!(ping(&world, quiet(SonarModel::Nomad)), MAX_READING_IN);
+    assert_eq!(
+        ping(&world, deterministic(SonarModel::Nomad)),
+        MAX_READING_IN
+    );
     let way = 2.0 - 0.2305 + 3.0;
     assert_eq!(
-        ping(&world, quiet(SonarModel::Harsh)),
+        ping(&world, deterministic(SonarModel::Harsh)),
         reading_in(Some(way))
     );
 }
 
 #[test]
-fn reverberation_gives_short_readings_and_only_after_an_echo() {
+fn reverberation_gives_short_readings_only_after_an_echo() {
     let config = SonarConfig {
         crosstalk: 1.0,
-        ..quiet(SonarModel::Harsh)
+        ..deterministic(SonarModel::Harsh)
     };
     let world = world(vec![wall(&[(2.2305, -3.0), (2.2305, 3.0)])]);
     let mut noise = Noise::new(1);
@@ -281,15 +283,18 @@ fn reverberation_gives_short_readings_and_only_after_an_echo() {
         first.map(|r| reading_in(Some(r))),
         Some(reading_in(Some(2.0)))
     );
-    // Four times to and fro over 2 m is 8 m; 40 ms are 6.864 m of it.
-    let ghost = ring.ping(&world, &pose, 8, 0.08, &mut noise);
-    assert_eq!(reading_in(ghost), reading_in(Some(8.0 - 0.02 * SOUND_M_S)));
-    // Long after, the sound has died away.
+    // Four times over 2 m is 8 m; in 40 ms sound travels 6.864 m of it.
+    let false_echo = ring.ping(&world, &pose, 8, 0.08, &mut noise);
+    assert_eq!(
+        reading_in(false_echo),
+        reading_in(Some(8.0 - 0.02 * SOUND_M_S))
+    );
+    // Much later there is no reverberation.
     assert_eq!(ring.ping(&world, &pose, 8, 0.80, &mut noise), None);
 }
 
 #[test]
-fn one_transducer_of_a_harsh_ring_is_dead_and_the_seed_says_which() {
+fn the_seed_selects_the_dead_transducer_of_a_harsh_ring() {
     let world = world(vec![
         post(0.0, 0.0, 0.01),
         wall(&[
@@ -318,7 +323,7 @@ fn one_transducer_of_a_harsh_ring_is_dead_and_the_seed_says_which() {
 }
 
 #[test]
-fn models_are_known_by_name() {
+fn models_parse_from_their_names() {
     for name in SonarModel::NAMES {
         assert_eq!(name.parse::<SonarModel>().unwrap().name(), name);
     }
@@ -334,7 +339,7 @@ fn the_byte_on_the_wire() {
     assert_eq!(reading_in(Some(-1.0)), 0);
 }
 
-/// FNV-1a over the bits of many readings: they may not depend on the machine.
+/// Compares an FNV-1a hash of many readings: they must not depend on the machine.
 #[test]
 fn readings_have_the_same_bits_everywhere() {
     let mut hash: u64 = 0xcbf2_9ce4_8422_2325;
@@ -362,26 +367,26 @@ fn readings_have_the_same_bits_everywhere() {
 }
 
 #[test]
-fn readings_are_rounded_as_if_the_noise_were_worked_out() {
-    let (mut noise, mut close) = (Noise::new(3), 0);
+fn readings_equal_those_with_exact_noise() {
+    let (mut noise, mut exact_needed) = (Noise::new(3), 0);
     for _ in 0..100_000 {
         let sigma = noise.uniform_in(0.0, 0.1);
-        let deviate = noise.deviate();
-        // Half of them next to where the rounding turns.
-        let turns = noise.uniform_in(0.0, 255.0).floor() + 0.5 + noise.uniform_in(-1e-6, 1e-6);
+        let deviate = noise.normal_deviate();
+        // Half of the ranges are next to a rounding limit.
+        let limit = noise.uniform_in(0.0, 255.0).floor() + 0.5 + noise.uniform_in(-1e-6, 1e-6);
         let range = if noise.chance(0.5) {
-            turns * M_PER_INCH - deviate.exact() * sigma
+            limit * M_PER_INCH - deviate.exact() * sigma
         } else {
             noise.uniform_in(0.0, 6.5)
         };
         let exact = libm::rint((range + deviate.exact() * sigma) / M_PER_INCH);
         assert_eq!(noisy_inches(range, sigma, deviate), exact);
-        let about = (range + deviate.about() * sigma) / M_PER_INCH;
-        close += u32::from(libm::rint(about) != exact);
+        let approximate = (range + deviate.approximate() * sigma) / M_PER_INCH;
+        exact_needed += u32::from(libm::rint(approximate) != exact);
     }
-    // Where about how much is not enough.
-    assert!(close > 1_000, "{close}");
-    let deviate = noise.deviate();
+    // The approximation alone would give other readings.
+    assert!(exact_needed > 1_000, "{exact_needed}");
+    let deviate = noise.normal_deviate();
     assert!(noisy_inches(f64::NAN, 0.1, deviate).is_nan());
     assert_eq!(noisy_inches(f64::INFINITY, 0.1, deviate), f64::INFINITY);
 }

@@ -4,7 +4,7 @@ use super::tree::Bounds;
 use crate::geometry::Point;
 use crate::shapes::Shape;
 
-/// Number of the first circle: beyond every face's.
+/// Number of the first circle, above those of all faces.
 pub(crate) const FIRST_CIRCLE: f64 = 1e9;
 
 /// A solid disc.
@@ -12,12 +12,12 @@ pub(crate) const FIRST_CIRCLE: f64 = 1e9;
 pub(crate) struct Circle {
     pub center: Point,
     pub radius: f64,
-    /// Its place in the world's list, [`FIRST_CIRCLE`] added.
+    /// Its index in the world's list plus [`FIRST_CIRCLE`].
     pub number: f64,
 }
 
 impl Circle {
-    /// The circle at place `index` of the world's list.
+    /// The circle with this index in the world's list.
     pub fn new(center: Point, radius: f64, index: usize) -> Self {
         Self {
             center,
@@ -26,12 +26,12 @@ impl Circle {
         }
     }
 
-    /// Distance from its side to a place within or without, m.
+    /// Distance of a point inside or outside from its boundary, m.
     pub fn distance(&self, place: Point) -> f64 {
         (place.distance(self.center) - self.radius).abs()
     }
 
-    /// The box around it.
+    /// Its bounding box.
     pub fn bounds(&self) -> Bounds {
         Bounds::around(self.center, self.radius)
     }

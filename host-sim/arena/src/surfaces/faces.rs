@@ -1,13 +1,13 @@
 //! Flat surfaces, laid out for queries.
 //!
-//! A *face* is one side of a straight piece: from `a`, `length` meters along the unit vector `u`,
-//! visible only from its left. A solid's outline has one face per piece, a thin wall two.
+//! A *face* is one side of a straight segment: from `a`, `length` meters along the unit vector `u`,
+//! visible only from its left. A solid's outline has one face per segment, a thin wall two.
 
 use super::tree::{Bounds, LANES};
 use crate::geometry::{Point, clamp};
 use crate::shapes::Shape;
 
-/// Coordinate of the faces that fill up the last block, m: beyond every query's reach.
+/// Coordinate of the padding faces of the last block, m: beyond the reach of every query.
 const FAR_M: f64 = 1e9;
 
 /// One face.
@@ -19,7 +19,7 @@ pub(crate) struct Face {
     pub u: Point,
     /// Length, m.
     pub length: f64,
-    /// Its place in the world's list: a whole number, held as vectors hold it best.
+    /// Its index in the world's list, as `f64` like the other lanes of a block.
     pub number: f64,
 }
 
@@ -34,7 +34,7 @@ impl Face {
         }
     }
 
-    /// The box around it.
+    /// Its bounding box.
     pub fn bounds(&self) -> Bounds {
         Bounds::of(self.a, self.a + self.u * self.length)
     }
@@ -55,8 +55,8 @@ pub(crate) fn list_faces(shapes: &[Shape]) -> Vec<Face> {
     faces
 }
 
-/// [`LANES`] faces, one array per quantity, m, so that the compiler turns a loop over them into
-/// vector instructions. The last block of a list is filled up with faces far away.
+/// [`LANES`] faces, one array per quantity, m, so that the compiler vectorizes a loop over them.
+/// Faces far away pad the last block of a list.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FaceBlock {
     pub ax: [f64; LANES],
@@ -68,7 +68,7 @@ pub(crate) struct FaceBlock {
 }
 
 impl FaceBlock {
-    /// A block of nothing but faces far away.
+    /// A block of padding faces.
     pub const EMPTY: Self = Self {
         ax: [FAR_M; LANES],
         ay: [FAR_M; LANES],
@@ -106,7 +106,7 @@ impl FaceBlock {
         squared
     }
 
-    /// One of the faces.
+    /// The face in a lane.
     #[inline]
     pub fn face(&self, lane: usize) -> Face {
         Face {
@@ -124,7 +124,7 @@ mod tests {
     use crate::geometry::min;
 
     #[test]
-    fn a_wall_has_two_sides_and_nothing_meets_what_fills_up_a_block() {
+    fn a_wall_has_two_sides_and_padding_has_no_effect() {
         let wall = Shape::Wall {
             points: (0..6).map(|i| Point::new(f64::from(i), 0.0)).collect(),
         };

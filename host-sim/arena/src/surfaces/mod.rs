@@ -1,7 +1,7 @@
-//! All surfaces of a world that stand still, each kind in blocks with a tree of boxes over them.
+//! All fixed surfaces of a world, each kind in blocks with a bounding-box tree.
 //!
-//! It finds what lies near a place, and which surface is nearest. It knows nothing of rays and
-//! cones.
+//! It finds the surfaces near a position, and the distance to the nearest. It is independent of
+//! rays and cones.
 
 use crate::geometry::{Point, min};
 use crate::shapes::Shape;
@@ -16,7 +16,7 @@ pub(crate) use faces::{Face, FaceBlock, list_faces};
 use tree::{Bounds, NearSearch, NearestSearch, Tree};
 pub(crate) use tree::{Boxes, LANES, SLACK_M, TreeSearch};
 
-/// The faces, circles and corners of a world that do not move.
+/// The fixed faces, circles and corners of a world.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Surfaces {
     faces: Vec<FaceBlock>,
@@ -27,7 +27,7 @@ pub(crate) struct Surfaces {
     corner_tree: Tree,
 }
 
-/// How far the surfaces of each kind are from something.
+/// Distances of surfaces from a query object.
 pub(crate) trait Distance {
     /// Squared distance of each face of a block, m².
     fn to_faces(&self, block: &FaceBlock) -> [f64; LANES];
@@ -37,7 +37,7 @@ pub(crate) trait Distance {
 }
 
 impl Surfaces {
-    /// Those of `shapes`, numbered in their order.
+    /// The surfaces of `shapes`, numbered in their order.
     pub fn of(shapes: &[Shape]) -> Self {
         let mut faces = list_faces(shapes);
         tree::sort(&mut faces, Face::bounds);
@@ -59,21 +59,21 @@ impl Surfaces {
         }
     }
 
-    /// Calls `look` with every block of faces that may come within `reach` m of `place`.
+    /// Calls `look` with every block of faces that may be within `reach` m of `place`.
     pub fn faces_near(&self, place: Point, reach: f64, mut look: impl FnMut(&FaceBlock)) {
         let look = |block: usize| look(self.face_block(block));
         self.face_tree
             .search(&mut NearSearch { place, reach, look });
     }
 
-    /// Calls `look` with every circle that may come within `reach` m of `place`, and others.
+    /// Calls `look` with at least every circle within `reach` m of `place`.
     pub fn circles_near(&self, place: Point, reach: f64, mut look: impl FnMut(&Circle)) {
         let look = |block: usize| self.circle_block(block).iter().for_each(&mut look);
         self.circle_tree
             .search(&mut NearSearch { place, reach, look });
     }
 
-    /// Calls `look` with every corner that may come within `reach` m of `place`, and others.
+    /// Calls `look` with at least every corner within `reach` m of `place`.
     pub fn corners_near(&self, place: Point, reach: f64, mut look: impl FnMut(Point)) {
         let look = |block: usize| {
             let corners = block_of(&self.corners, block);
@@ -83,8 +83,8 @@ impl Surfaces {
             .search(&mut NearSearch { place, reach, look });
     }
 
-    /// Least distance of any surface from something that lies within `extent_m` of `place`, m;
-    /// infinite if there is no surface.
+    /// Smallest distance of any surface from a query object that is within `extent_m` of `place`,
+    /// m; infinite if there is no surface.
     pub fn nearest(&self, place: Point, extent_m: f64, distance: &impl Distance) -> f64 {
         let of_faces = NearestSearch {
             place,
@@ -111,17 +111,17 @@ impl Surfaces {
         of_circles.search(&self.circle_tree)
     }
 
-    /// Runs a search over the faces; it gets numbers of [blocks](Surfaces::face_block).
+    /// Runs a search over the faces; it receives indices of [blocks](Surfaces::face_block).
     pub fn search_faces(&self, search: &mut impl TreeSearch) {
         self.face_tree.search(search);
     }
 
-    /// Runs a search over the circles; it gets numbers of [blocks](Surfaces::circle_block).
+    /// Runs a search over the circles; it receives indices of [blocks](Surfaces::circle_block).
     pub fn search_circles(&self, search: &mut impl TreeSearch) {
         self.circle_tree.search(search);
     }
 
-    /// A block of faces; one that nothing meets for a number without a block.
+    /// A block of faces; a block of unreachable faces if the index is invalid.
     pub fn face_block(&self, block: usize) -> &FaceBlock {
         self.faces.get(block).unwrap_or(&FaceBlock::EMPTY)
     }

@@ -1,18 +1,18 @@
-//! A tree of boxes over the things of a world: a query about one place looks at what is near only.
+//! Bounding-box tree: limits a query to the items near a position.
 //!
-//! Things stand in the order of a curve that fills the plane (Morton 1966) and are cut into blocks
-//! of [`LANES`]. Each block has a box around it, [`LANES`] boxes have one around them, and so on. A
-//! search skips blocks that cannot matter; no answer depends on the tree.
+//! Items are sorted along a space-filling curve (Morton 1966) and divided into blocks of [`LANES`].
+//! Each block has a bounding box, [`LANES`] boxes have one around them, and so on. A search skips
+//! blocks that cannot change its result.
 
 use crate::geometry::{Point, max, min};
 
-/// Far above any rounding, far below anything that matters, m.
+/// Margin for rounding, m.
 pub(crate) const SLACK_M: f64 = 1e-6;
 
-/// Things per block, and boxes per row of the tree.
+/// Items per block, and boxes per row of the tree.
 pub(crate) const LANES: usize = 8;
 
-/// Boxes around [`LANES`] things or rows of boxes, one array per side, m. An unused place lies
+/// Boxes around [`LANES`] blocks or rows of boxes, one array per side, m. An unused box is
 /// infinitely far away.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Boxes {
@@ -30,14 +30,14 @@ impl Boxes {
         high_y: [f64::INFINITY; LANES],
     };
 
-    /// Whether each box comes within `reach` m of a place, or nearly.
+    /// Whether each box is within `reach` m of a position, plus [`SLACK_M`].
     #[inline]
     pub fn near(&self, place: Point, reach: f64) -> [bool; LANES] {
         let most = (reach + SLACK_M) * (reach + SLACK_M);
         self.distances_squared(place).map(|squared| squared <= most)
     }
 
-    /// Squared distance of each box from a place, m².
+    /// Squared distance of each box from a position, m².
     #[inline]
     fn distances_squared(&self, place: Point) -> [f64; LANES] {
         let mut squared = [0.0; LANES];
@@ -49,8 +49,8 @@ impl Boxes {
         squared
     }
 
-    /// Whether a ray from `origin` along the unit vector `direction` meets each box within `reach`
-    /// m, or nearly.
+    /// Whether a ray from `origin` along the unit vector `direction` hits each box within `reach`
+    /// m, plus [`SLACK_M`].
     #[inline]
     pub fn met_by_ray(&self, origin: Point, direction: Point, reach: f64) -> [bool; LANES] {
         let mut met = [false; LANES];
@@ -82,7 +82,7 @@ impl Boxes {
     }
 }
 
-/// The box around something, m.
+/// A bounding box, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Bounds {
     low: Point,
@@ -95,7 +95,7 @@ impl Bounds {
         high: Point::new(f64::NEG_INFINITY, f64::NEG_INFINITY),
     };
 
-    /// The box around two points.
+    /// The bounding box of two points.
     pub fn of(a: Point, b: Point) -> Self {
         Self {
             low: Point::new(min(a.x, b.x), min(a.y, b.y)),
@@ -103,7 +103,7 @@ impl Bounds {
         }
     }
 
-    /// The box around a circle.
+    /// The bounding box of a circle.
     pub fn around(center: Point, radius: f64) -> Self {
         let half = Point::new(radius, radius);
         Self {
@@ -112,7 +112,7 @@ impl Bounds {
         }
     }
 
-    /// The box around many.
+    /// The bounding box of several boxes.
     fn all(parts: impl Iterator<Item = Self>) -> Self {
         parts.fold(Self::NOTHING, |all, part| Self {
             low: Point::new(min(all.low.x, part.low.x), min(all.low.y, part.low.y)),
@@ -125,12 +125,12 @@ impl Bounds {
     }
 }
 
-/// Sorts things so that neighbors stand together. Things with the same key keep their order.
+/// Sorts items along the Morton curve, so that neighbors are near each other. The sort is stable.
 pub(super) fn sort<T>(things: &mut [T], bounds: impl Fn(&T) -> Bounds) {
     let all = Bounds::all(things.iter().map(&bounds));
     let size = all.high - all.low;
     let cell = |at: f64, low: f64, size: f64| {
-        // From 0 to 65 535; the cast saturates, and makes 0 of a world without extent.
+        // From 0 to 65 535. The cast saturates, and gives 0 for a world without extent (NaN).
         u64::from(((at - low) / size * 65_535.0) as u16)
     };
     things.sort_by_cached_key(|thing| {
@@ -145,23 +145,23 @@ pub(super) fn sort<T>(things: &mut [T], bounds: impl Fn(&T) -> Bounds) {
 
 /// A query that runs through a tree.
 pub(crate) trait TreeSearch {
-    /// Which of these boxes may hold something that matters.
+    /// Which of these boxes may change the result.
     fn wants(&self, boxes: &Boxes) -> [bool; LANES];
 
-    /// Looks at a block of things.
+    /// Tests the items of a block.
     fn look(&mut self, block: usize);
 }
 
-/// The boxes, from those around blocks to those around everything.
+/// The boxes by level, from those around blocks to the root.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Tree {
-    /// Box j of row i of a level lies around row `LANES * i + j` of the level below; of the lowest
-    /// level, around that block.
+    /// Box j of row i of a level contains row `LANES * i + j` of the level below; on the lowest
+    /// level, that block.
     levels: Vec<Vec<Boxes>>,
 }
 
 impl Tree {
-    /// A tree over things in blocks of [`LANES`].
+    /// A tree over items in blocks of [`LANES`].
     pub fn over<T>(things: &[T], bounds: impl Fn(&T) -> Bounds) -> Self {
         let blocks = things.chunks(LANES);
         let mut below: Vec<_> = blocks
@@ -208,7 +208,8 @@ impl Tree {
         }
     }
 
-    /// A block near a place, found by always taking the nearest box: a good first guess, no more.
+    /// A block near a position, by descending into the nearest box: a first guess, not always the
+    /// nearest block.
     fn guess(&self, place: Point) -> Option<usize> {
         let mut row = 0;
         for level in self.levels.iter().rev() {
@@ -221,7 +222,7 @@ impl Tree {
     }
 }
 
-/// Looks at every block that may come within `reach` m of `place`.
+/// Tests every block that may be within `reach` m of `place`.
 pub(super) struct NearSearch<F> {
     pub place: Point,
     pub reach: f64,
@@ -238,24 +239,24 @@ impl<F: FnMut(usize)> TreeSearch for NearSearch<F> {
     }
 }
 
-/// Finds the least distance of the things from something that lies within `extent_m` of `place`.
+/// Finds the smallest distance of the items from a query object within `extent_m` of `place`.
 pub(super) struct NearestSearch<F> {
     pub place: Point,
     pub extent_m: f64,
-    /// The least distance so far, m.
+    /// The smallest distance so far, m.
     pub best: f64,
-    /// Least distance of a block's things, m; any greater number if they are all farther than the
-    /// second argument from `place`.
+    /// Smallest distance of a block's items, m. If all are farther from `place` than the second
+    /// argument, any larger number.
     pub measure: F,
 }
 
 impl<F: Fn(usize, f64) -> f64> NearestSearch<F> {
-    /// How far from `place` something better can lie, m.
+    /// Largest distance from `place` at which an item can improve the result, m.
     fn reach(&self) -> f64 {
         self.best + self.extent_m + SLACK_M
     }
 
-    /// The least distance, m: `best` in an empty tree.
+    /// The smallest distance, m; `best` for an empty tree.
     pub fn search(mut self, tree: &Tree) -> f64 {
         if let Some(guess) = tree.guess(self.place) {
             self.look(guess);

@@ -1,7 +1,7 @@
-//! The world: what stands around the robot, and where the robot starts.
+//! The world: obstacles, start and goal of the robot.
 //!
-//! All worlds are flat: straight pieces and circles, meters and radians. Queries go to the caster.
-//! Where worlds come from is no matter of this module: see [`loaders`](crate::loaders).
+//! All worlds are flat: straight segments and circles, meters and radians. Queries go to the
+//! caster. [`loaders`](crate::loaders) create worlds.
 
 use crate::caster::{Caster, LobeView, SonarLobe};
 use crate::nomad::COLLISION_RADIUS_M;
@@ -15,11 +15,10 @@ pub use crate::shapes::Shape;
 /// Largest coordinate a world may use, m.
 pub const MAX_COORDINATE_M: f64 = 1e5;
 
-/// Most shapes a world may have.
+/// Maximum number of shapes.
 pub const MAX_SHAPES: usize = 1_000_000;
 
-/// Everything that stands around the robot, and where the robot starts. Clones share what stands
-/// still.
+/// Obstacles, start and goal of the robot. Clones share the surfaces that do not move.
 #[derive(Debug, Clone, PartialEq)]
 pub struct World {
     name: String,
@@ -69,7 +68,7 @@ impl World {
         Ok(world)
     }
 
-    /// The same without any check.
+    /// As [`World::new`], without checks.
     pub(crate) fn unchecked(name: String, start: Pose, shapes: Vec<Shape>) -> Self {
         Self {
             caster: Caster::new(&shapes),
@@ -99,25 +98,24 @@ impl World {
         }
     }
 
-    /// This world with a place to go to.
+    /// This world with a goal.
     #[must_use]
     pub fn with_goal(mut self, goal: Point) -> Self {
         self.goal = Some(goal);
         self
     }
 
-    /// This world with another shape in the place of shape `index`; the start is not looked at
-    /// again.
+    /// This world with shape `index` replaced; does not check the start again.
     ///
     /// # Errors
-    /// When there is no such shape, or the new one is impossible.
+    /// If there is no such shape, or the new one is invalid.
     pub fn with_shape(&self, index: usize, shape: Shape) -> Result<Self, BadInput> {
         if let Some(defect) = shape.defect(MAX_COORDINATE_M) {
             return Err(BadInput::new(defect));
         }
         let mut shapes = self.shapes.clone();
         match shapes.get_mut(index) {
-            Some(place) => *place = shape,
+            Some(old) => *old = shape,
             None => return Err(BadInput::new(format!("there is no shape {index}"))),
         }
         Ok(Self {
@@ -145,19 +143,19 @@ impl World {
         )))
     }
 
-    /// What the world is called.
+    /// Name of the world.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Where the robot starts.
+    /// Start of the robot.
     #[must_use]
     pub fn start(&self) -> Pose {
         self.start
     }
 
-    /// Where it is to go, if the world says it.
+    /// Goal of the robot, if the world has one.
     #[must_use]
     pub fn goal(&self) -> Option<Point> {
         self.goal
@@ -169,7 +167,7 @@ impl World {
         &self.shapes
     }
 
-    /// Every straight piece once, with its ends.
+    /// The ends of every straight segment.
     pub fn segments(&self) -> impl Iterator<Item = (Point, Point)> + '_ {
         self.shapes.iter().flat_map(|shape| {
             let mut pieces = Vec::new();
@@ -190,40 +188,40 @@ impl World {
         self.caster.clearance(point)
     }
 
-    /// Moves a disc of `radius` m straight `from` one point towards another; it stops at its first
-    /// touch. Sinking further into a surface it already touches counts at once; leaving it does
-    /// not.
+    /// Moves a disc of `radius` m straight `from` one point towards another, up to its first
+    /// contact. A disc that already touches a surface may move away from it, but not further into
+    /// it.
     #[must_use]
     pub fn sweep(&self, from: Point, to: Point, radius: f64) -> Sweep {
         self.caster.sweep(from, to, radius)
     }
 
-    /// The first thing a ray from `origin` along the unit vector `direction` meets. The surface it
-    /// starts on, if it does, is not met.
+    /// The first hit of a ray from `origin` along the unit vector `direction`. A surface on which
+    /// the ray starts is not hit.
     #[must_use]
     pub fn cast(&self, origin: Point, direction: Point) -> Option<Hit> {
         self.caster.cast(origin, direction)
     }
 
-    /// What cones can meet whose tips lie `offset_m` from `middle`, along their axes, and which
-    /// reach `reach_m` from there.
+    /// The surfaces for queries with cones around `middle`. Their tips are `offset_m` from it along
+    /// their axes, and they reach `reach_m` from there.
     #[must_use]
     pub fn view(&self, middle: Point, offset_m: f64, reach_m: f64) -> ConeView {
         self.caster.view(middle, offset_m, reach_m)
     }
 
-    /// Aims a view at a lobe: what the sound of one transducer can meet.
+    /// Aims a view at a lobe: collects the surfaces that the sound of one transducer can hit.
     pub(crate) fn aim(&self, view: &mut LobeView, lobe: &SonarLobe) {
         self.caster.aim(view, lobe);
     }
 
-    /// Whether `point` lies in the body of a box, a circle or an occupied part of a map.
+    /// Whether `point` is inside a box, a circle or an occupied part of a map.
     #[must_use]
     pub fn is_inside(&self, point: Point) -> bool {
         if self.shapes.iter().any(|shape| shape.contains(point)) {
             return true;
         }
-        // Even–odd rule over the outlines: an odd number of them to one side.
+        // Even–odd rule: inside if a ray crosses an odd number of outlines.
         let crossings = self.shapes.iter().filter(|shape| match shape {
             Shape::Outline { from, to } => {
                 (from.y > point.y) != (to.y > point.y) && {
@@ -242,7 +240,7 @@ impl World {
 pub(crate) struct LastWorld(Option<Caster>);
 
 impl LastWorld {
-    /// Whether `world` is the last one and nothing in it moves; from now on it is the last one.
+    /// Whether `world` is the last one and nothing in it moves. Stores it as the last one.
     pub(crate) fn is_same(&mut self, world: &World) -> bool {
         let same = |last: &Caster| last.is_same_still(&world.caster);
         if self.0.as_ref().is_some_and(same) {

@@ -1,4 +1,4 @@
-//! Which worlds are refused.
+//! Rejected worlds.
 
 use super::*;
 
@@ -24,7 +24,7 @@ fn square(side: f64) -> Shape {
 }
 
 #[test]
-fn impossible_worlds_are_refused() {
+fn invalid_worlds_are_rejected() {
     let start = |x| Pose::new(Point::new(x, 0.0), 0.0);
     for (shapes, start, words) in [
         (vec![], start(0.0), "at least one"),

@@ -1,8 +1,8 @@
 //! The flags of `host-sim learn`.
 
-use super::log::Columns;
-use super::study::Lesson;
-use super::task::Options;
+use super::dataset::DatasetOptions;
+use super::evaluation::TrainOptions;
+use super::log::LogColumns;
 use crate::som::args::MAX_EPOCHS;
 use files::error::BadInput;
 use std::path::PathBuf;
@@ -28,11 +28,11 @@ pub struct LearnArgs {
     /// Neurons of each map: COLUMNSxROWS, each 4 to 20; several sizes (4x4,8x8) or all squares from
     /// one to another (4x4..=20x20) give a curve
     #[arg(long, value_name = "SIZES", default_value = "4x4")]
-    pub map: Sizes,
+    pub map: MapSizes,
 
     /// Share of the rows held out at the end of the run: the maps do not learn from them and are
     /// asked about them
-    #[arg(long, value_name = "SHARE", default_value = "0.3", value_parser = share)]
+    #[arg(long, value_name = "SHARE", default_value = "0.3", value_parser = parse_share)]
     pub held_out: f64,
 
     /// How often every sample is presented
@@ -59,11 +59,11 @@ pub struct LearnArgs {
 
     /// Whether the first line is a heading [default: yes if it holds no number]
     #[arg(long, value_name = "YES|NO", value_enum)]
-    pub heading: Option<Answer>,
+    pub heading: Option<YesNo>,
 
     /// Unit of the ranges
     #[arg(long, value_name = "UNIT", default_value = "m", value_enum)]
-    pub unit: Unit,
+    pub unit: RangeUnit,
 
     /// Range at which a situation's value is 1, in the log's unit
     #[arg(long, value_name = "RANGE", default_value_t = 0.0)]
@@ -79,7 +79,7 @@ pub struct LearnArgs {
     pub stride: u16,
 
     /// Weight of the action beside a range when the action map learns, above 0, at most 1
-    #[arg(long, value_name = "WEIGHT", default_value = "1", value_parser = weight)]
+    #[arg(long, value_name = "WEIGHT", default_value = "1", value_parser = parse_weight)]
     pub action_weight: f64,
 
     /// Folder for pictures, a page and the code vectors
@@ -93,7 +93,7 @@ pub struct LearnArgs {
 
 /// Yes or no.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Answer {
+pub enum YesNo {
     /// Yes.
     Yes,
     /// No.
@@ -102,7 +102,7 @@ pub enum Answer {
 
 /// Units of ranges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Unit {
+pub enum RangeUnit {
     /// Meters
     M,
     /// Centimeters
@@ -113,10 +113,10 @@ pub enum Unit {
     In,
 }
 
-impl Unit {
-    /// Its sign.
+impl RangeUnit {
+    /// Symbol of the unit.
     #[must_use]
-    pub fn sign(self) -> &'static str {
+    pub fn symbol(self) -> &'static str {
         match self {
             Self::M => "m",
             Self::Cm => "cm",
@@ -126,26 +126,26 @@ impl Unit {
     }
 }
 
-/// Sizes of maps.
+/// Sizes of the maps.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Sizes(pub Vec<Grid>);
+pub struct MapSizes(pub Vec<Grid>);
 
-/// Neurons along a side, least and most.
-const SIDE: std::ops::RangeInclusive<u16> = 4..=20;
+/// Allowed neurons along a side.
+const SIDES: std::ops::RangeInclusive<u16> = 4..=20;
 
-impl FromStr for Sizes {
+impl FromStr for MapSizes {
     type Err = BadInput;
 
     fn from_str(text: &str) -> Result<Self, BadInput> {
         let mut grids = Vec::new();
         for word in text.split(',') {
             let Some((first, last)) = word.split_once("..=") else {
-                grids.push(size(word)?);
+                grids.push(parse_grid(word)?);
                 continue;
             };
-            let (first, last) = (size(first)?, size(last)?);
-            let square = |grid: Grid| grid.columns() == grid.rows();
-            if !(square(first) && square(last) && first.columns() <= last.columns()) {
+            let (first, last) = (parse_grid(first)?, parse_grid(last)?);
+            let is_square = |grid: Grid| grid.columns() == grid.rows();
+            if !(is_square(first) && is_square(last) && first.columns() <= last.columns()) {
                 return Err(BadInput::new(format!(
                     "\"{word}\" must go from a square to one at least as large, for example 4x4..=20x20"
                 )));
@@ -157,28 +157,28 @@ impl FromStr for Sizes {
     }
 }
 
-fn size(text: &str) -> Result<Grid, BadInput> {
+fn parse_grid(text: &str) -> Result<Grid, BadInput> {
     let sides = text.split_once('x').and_then(|(columns, rows)| {
         let side = |digits: &str| {
             digits
                 .trim()
                 .parse()
                 .ok()
-                .filter(|side| SIDE.contains(side))
+                .filter(|side| SIDES.contains(side))
         };
         Some((side(columns)?, side(rows)?))
     });
     let (columns, rows) = sides.ok_or_else(|| {
         BadInput::new(format!(
             "\"{text}\" must be COLUMNSxROWS, each {} to {}, for example 4x4",
-            SIDE.start(),
-            SIDE.end()
+            SIDES.start(),
+            SIDES.end()
         ))
     })?;
     Ok(Grid::rectangle(columns, rows))
 }
 
-fn share(text: &str) -> Result<f64, BadInput> {
+fn parse_share(text: &str) -> Result<f64, BadInput> {
     let share = text
         .parse()
         .ok()
@@ -186,7 +186,7 @@ fn share(text: &str) -> Result<f64, BadInput> {
     share.ok_or_else(|| BadInput::new("it must be above 0 and below 1"))
 }
 
-fn weight(text: &str) -> Result<f64, BadInput> {
+fn parse_weight(text: &str) -> Result<f64, BadInput> {
     let weight = text
         .parse()
         .ok()
@@ -195,21 +195,21 @@ fn weight(text: &str) -> Result<f64, BadInput> {
 }
 
 impl LearnArgs {
-    /// Which columns hold what.
+    /// The columns of the log.
     #[must_use]
-    pub fn columns(&self) -> Columns {
-        Columns {
+    pub fn columns(&self) -> LogColumns {
+        LogColumns {
             ranges: self.ranges.clone(),
             label: self.label.clone(),
             velocities: self.velocities.clone(),
-            headed: self.heading.map(|answer| answer == Answer::Yes),
+            has_heading: self.heading.map(|choice| choice == YesNo::Yes),
         }
     }
 
-    /// How the log is taken.
+    /// Options for making the dataset.
     #[must_use]
-    pub fn options(&self) -> Options {
-        Options {
+    pub fn dataset_options(&self) -> DatasetOptions {
+        DatasetOptions {
             near: self.near,
             far: self.far,
             held_out: self.held_out,
@@ -217,10 +217,10 @@ impl LearnArgs {
         }
     }
 
-    /// How the maps are trained.
+    /// Options for training the maps.
     #[must_use]
-    pub fn lesson(&self) -> Lesson {
-        Lesson {
+    pub fn train_options(&self) -> TrainOptions {
+        TrainOptions {
             epochs: self.epochs,
             seed: self.seed,
             action_weight: self.action_weight,
@@ -235,7 +235,7 @@ mod tests {
     #[test]
     fn sizes_are_lists_and_ranges() {
         let sides = |text: &str| -> Vec<_> {
-            let Sizes(grids) = text.parse().expect(text);
+            let MapSizes(grids) = text.parse().expect(text);
             grids
                 .iter()
                 .map(|grid| (grid.columns(), grid.rows()))
@@ -256,7 +256,7 @@ mod tests {
             "4x5..=6x6",
             "-4x4",
         ] {
-            assert!(text.parse::<Sizes>().is_err(), "{text}");
+            assert!(text.parse::<MapSizes>().is_err(), "{text}");
         }
     }
 }

@@ -1,138 +1,143 @@
-//! Logged runs from text files: ranges and what the robot did, row by row.
+//! Parses logged runs from text files: ranges and the robot's action, row by row.
 
 use files::error::{BadInput, suggestion};
 use files::table::{MAX_COLUMNS, Record, Records, Table, number};
 use files::{MAX_INPUT_BYTES, read_text};
 use std::path::Path;
 
-/// Rows a log may have.
+/// Maximum number of rows.
 pub const MAX_ROWS: usize = 65_535;
-/// Largest size of a finite range or velocity, in the log's unit: beyond it, squared differences
-/// lose their last digits.
+/// Maximum magnitude of a finite range or velocity, in the log's unit. Larger squared differences
+/// would lose digits in an `f64`.
 pub const MAX_VALUE: f64 = 1e6;
-/// Different labels a log may have.
+/// Maximum number of different labels.
 pub const MAX_LABELS: usize = 64;
 
-/// Which columns hold what; columns are named as in the heading, or by number from 1.
+/// The columns of a log: each is given by its name in the header or by its number from 1.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Columns {
+pub struct LogColumns {
     /// Ranges: names, numbers and spans of numbers (`1-24`), separated by commas; `None` = all
-    /// columns of numbers that hold nothing else.
+    /// numeric columns except those of the action.
     pub ranges: Option<String>,
-    /// The label; `None` = the last column, unless there are velocities.
+    /// Label of the action; `None` = the last column. Ignored if there are velocities.
     pub label: Option<String>,
-    /// Velocities, as `ranges`; `None` = there are labels.
+    /// Velocities, in the form of `ranges`; `None` = the log has labels.
     pub velocities: Option<String>,
-    /// The first line is a heading; `None` = if it holds no number.
-    pub headed: Option<bool>,
+    /// Whether the first line is a header; `None` = it is one if it contains no number.
+    pub has_heading: Option<bool>,
 }
 
-/// What the robot did at each row.
+/// The robot's action in each row.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Actions {
-    /// One of some named actions.
+    /// Named actions.
     Labels {
         /// The names, in alphabetical order.
         names: Vec<String>,
-        /// By row, an index of `names`.
-        of: Vec<usize>,
+        /// By row: index into `names`.
+        by_row: Vec<usize>,
     },
     /// Velocities.
     Velocities {
-        /// What the columns are called.
+        /// Names of the columns.
         names: Vec<String>,
-        /// By row, one value per column.
-        of: Vec<Vec<f64>>,
+        /// By row: one value per column.
+        by_row: Vec<Vec<f64>>,
     },
 }
 
 /// A logged run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Log {
-    /// Where it came from, for messages.
+    /// Name of the source in messages.
     pub source: String,
-    /// What the range finders are called: as in the heading, else by number of the column.
+    /// Names of the range finders: from the header, otherwise the column numbers.
     pub names: Vec<String>,
-    /// By row, one range per range finder, in the log's unit, not negative; infinite = nothing was
-    /// heard.
+    /// By row: one range per range finder, in the log's unit, not negative; infinite = no echo.
     pub ranges: Vec<Vec<f64>>,
-    /// What the robot did.
+    /// The robot's actions.
     pub actions: Actions,
 }
 
 impl Log {
-    /// Reads the log in a file.
+    /// Reads a log from a file.
     ///
     /// # Errors
-    /// A sentence naming the file, and line and column where it is about them: a file that cannot
-    /// be read or is not text, unknown columns, fields that are no ranges or velocities, no label,
-    /// too many rows or labels.
-    pub fn load(path: &Path, columns: &Columns) -> Result<Self, BadInput> {
+    /// A sentence that names the file, and line and column where they apply: a file that cannot be
+    /// read or is not text, unknown columns, invalid ranges or velocities, an empty label, too many
+    /// rows or labels.
+    pub fn load(path: &Path, columns: &LogColumns) -> Result<Self, BadInput> {
         let text = read_text(path, MAX_INPUT_BYTES)?;
         Self::parse(&path.display().to_string(), &text, columns)
     }
 
-    /// Reads the log in a text; `source` names it in messages.
+    /// Reads a log from a text; `source` names it in messages.
     ///
     /// # Errors
     /// As [`load`](Self::load).
-    pub fn parse(source: &str, text: &str, columns: &Columns) -> Result<Self, BadInput> {
-        let records = Records::parse(source, text, columns.headed)?;
-        let file = File { source, records };
+    pub fn parse(source: &str, text: &str, columns: &LogColumns) -> Result<Self, BadInput> {
+        let records = Records::parse(source, text, columns.has_heading)?;
+        let file = LogRecords { source, records };
         if file.records.rows.len() > MAX_ROWS {
             let what = format!("{} rows are more than {MAX_ROWS}", file.records.rows.len());
             return Err(BadInput::new(format!("{source}: {what}")));
         }
-        let (actions, taken) = file.actions(columns)?;
-        let chosen = match &columns.ranges {
+        let (actions, action_columns) = file.actions(columns)?;
+        let range_columns = match &columns.ranges {
             Some(list) => file.columns("--ranges", list)?,
-            None => file.numeric_but(&taken),
+            None => file.numeric_except(&action_columns),
         };
-        if let Some(&both) = chosen.iter().find(|column| taken.contains(column)) {
-            let name = file.name(both);
+        if let Some(&shared) = range_columns
+            .iter()
+            .find(|column| action_columns.contains(column))
+        {
+            let name = file.name(shared);
             return Err(BadInput::new(format!(
                 "--ranges: column {name} of {source} holds the action already"
             )));
         }
-        if chosen.is_empty() || chosen.len() > MAX_COLUMNS {
-            let count = chosen.len();
+        if range_columns.is_empty() || range_columns.len() > MAX_COLUMNS {
+            let count = range_columns.len();
             return Err(BadInput::new(format!(
                 "{source}: {count} columns of ranges, there must be 1 to {MAX_COLUMNS}"
             )));
         }
         Ok(Self {
             source: source.to_owned(),
-            names: chosen.iter().map(|&column| file.name(column)).collect(),
-            ranges: file.values(&chosen, range)?,
+            names: range_columns
+                .iter()
+                .map(|&column| file.name(column))
+                .collect(),
+            ranges: file.values(&range_columns, parse_range)?,
             actions,
         })
     }
 }
 
-fn range(field: &str) -> Result<f64, String> {
+fn parse_range(field: &str) -> Result<f64, String> {
     match number(field) {
-        // An infinite range: nothing was heard.
-        Some(value) if value > MAX_VALUE && value.is_finite() => Err(too_large(field)),
+        // An infinite range means no echo.
+        Some(value) if value > MAX_VALUE && value.is_finite() => Err(too_large_message(field)),
         Some(value) if value >= 0.0 => Ok(value),
         Some(_) => Err(format!("\"{field}\" is no range: it must not be negative")),
-        None => Err(no_number(field)),
+        None => Err(not_a_number_message(field)),
     }
 }
 
-fn velocity(field: &str) -> Result<f64, String> {
+fn parse_velocity(field: &str) -> Result<f64, String> {
     match number(field) {
         Some(value) if value.abs() <= MAX_VALUE => Ok(value),
-        Some(value) if value.is_finite() => Err(too_large(field)),
+        Some(value) if value.is_finite() => Err(too_large_message(field)),
         Some(_) => Err(format!("\"{field}\" is not a finite number")),
-        None => Err(no_number(field)),
+        None => Err(not_a_number_message(field)),
     }
 }
 
-fn too_large(field: &str) -> String {
+fn too_large_message(field: &str) -> String {
     format!("\"{field}\" lies beyond ±{MAX_VALUE}")
 }
 
-fn no_number(field: &str) -> String {
+fn not_a_number_message(field: &str) -> String {
     if field.is_empty() {
         "the field is empty".to_owned()
     } else {
@@ -140,28 +145,29 @@ fn no_number(field: &str) -> String {
     }
 }
 
-struct File<'a> {
+/// The fields of a log before they are interpreted.
+struct LogRecords<'a> {
     source: &'a str,
     records: Records<'a>,
 }
 
-impl File<'_> {
+impl LogRecords<'_> {
     fn width(&self) -> usize {
         self.records.rows.first().map_or(0, |(_, row)| row.len())
     }
 
     fn name(&self, column: usize) -> String {
-        let named = self.records.heading.get(column);
-        named.map_or_else(|| (column + 1).to_string(), |name| (*name).to_owned())
+        let name = self.records.heading.get(column);
+        name.map_or_else(|| (column + 1).to_string(), |name| (*name).to_owned())
     }
 
-    /// What the robot did, and the columns that say it.
-    fn actions(&self, columns: &Columns) -> Result<(Actions, Vec<usize>), BadInput> {
+    /// The robot's actions and their columns.
+    fn actions(&self, columns: &LogColumns) -> Result<(Actions, Vec<usize>), BadInput> {
         if let Some(list) = &columns.velocities {
-            let taken = self.columns("--velocities", list)?;
-            let names = taken.iter().map(|&column| self.name(column)).collect();
-            let of = self.values(&taken, velocity)?;
-            return Ok((Actions::Velocities { names, of }, taken));
+            let columns = self.columns("--velocities", list)?;
+            let names = columns.iter().map(|&column| self.name(column)).collect();
+            let by_row = self.values(&columns, parse_velocity)?;
+            return Ok((Actions::Velocities { names, by_row }, columns));
         }
         let column = match &columns.label {
             Some(name) => self.column("--label", name)?,
@@ -197,23 +203,23 @@ impl File<'_> {
         }
         let index = |label| names.binary_search(label).unwrap_or(0);
         Ok(Actions::Labels {
-            of: fields.iter().map(index).collect(),
+            by_row: fields.iter().map(index).collect(),
             names: names.into_iter().map(str::to_owned).collect(),
         })
     }
 
-    /// The columns whose first field is a number, without those taken.
-    fn numeric_but(&self, taken: &[usize]) -> Vec<usize> {
+    /// The columns whose first field is a number, except some.
+    fn numeric_except(&self, excluded: &[usize]) -> Vec<usize> {
         let first = self.records.rows.first();
         let fields = first.map_or(&[][..], |(_, row)| row);
         let numeric = fields.iter().enumerate();
         numeric
-            .filter(|(column, field)| number(field).is_some() && !taken.contains(column))
+            .filter(|(column, field)| number(field).is_some() && !excluded.contains(column))
             .map(|(column, _)| column)
             .collect()
     }
 
-    /// The columns of a list: names, numbers from 1, spans of numbers.
+    /// Column indices of a list of names, numbers from 1 and spans of numbers.
     fn columns(&self, flag: &str, list: &str) -> Result<Vec<usize>, BadInput> {
         let mut columns = Vec::new();
         for word in list.split(',').map(str::trim) {
@@ -225,7 +231,7 @@ impl File<'_> {
                 Some((first, last)) if 1 <= first && first <= last && last <= self.width() => {
                     columns.extend(first - 1..last);
                 }
-                Some(_) => return Err(self.no_column(flag, word)),
+                Some(_) => return Err(self.unknown_column(flag, word)),
                 None => columns.push(self.column(flag, word)?),
             }
         }
@@ -241,17 +247,17 @@ impl File<'_> {
     }
 
     fn column(&self, flag: &str, word: &str) -> Result<usize, BadInput> {
-        let named = self.records.heading.iter().position(|name| *name == word);
-        let counted = || {
+        let by_name = self.records.heading.iter().position(|name| *name == word);
+        let by_number = || {
             let number: usize = word.parse().ok()?;
             (1..=self.width()).contains(&number).then(|| number - 1)
         };
-        named
-            .or_else(counted)
-            .ok_or_else(|| self.no_column(flag, word))
+        by_name
+            .or_else(by_number)
+            .ok_or_else(|| self.unknown_column(flag, word))
     }
 
-    fn no_column(&self, flag: &str, word: &str) -> BadInput {
+    fn unknown_column(&self, flag: &str, word: &str) -> BadInput {
         let hint = suggestion(word, &self.records.heading);
         BadInput::new(format!(
             "{flag}: {} has no column \"{word}\"{hint} (columns are named by its heading or by number, 1 to {})",
@@ -260,15 +266,16 @@ impl File<'_> {
         ))
     }
 
+    /// The parsed values of some columns, row by row.
     fn values(
         &self,
         columns: &[usize],
-        read: fn(&str) -> Result<f64, String>,
+        parse: fn(&str) -> Result<f64, String>,
     ) -> Result<Vec<Vec<f64>>, BadInput> {
         let row = |(line, fields): &Record<'_>| {
             let value = |&column: &usize| {
                 let field = fields.get(column).copied().unwrap_or_default();
-                read(field).map_err(|what| Table::cell(self.source, *line, column, what))
+                parse(field).map_err(|what| Table::cell(self.source, *line, column, what))
             };
             columns.iter().map(value).collect()
         };

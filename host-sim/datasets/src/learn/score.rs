@@ -1,52 +1,56 @@
-//! How well actions are recalled.
+//! Measures how well a memory recalls actions.
 
-use super::memory::Memory;
-use super::task::Pairs;
+use super::associative_memory::AssociativeMemory;
+use super::dataset::InputActionPairs;
 use sim::statistics::{Mean, bootstrap};
 
-/// Rows that follow each other are alike: the interval of an accuracy is that over blocks of so
-/// many.
+/// Rows of a block in the bootstrap of the accuracy's confidence interval. Consecutive rows are
+/// correlated, so single rows would make the interval too narrow.
 const BLOCK: usize = 50;
 
-/// What came of recalling the actions of some pairs.
+/// Recalled actions compared with the true ones.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Score {
     /// Named actions.
     Classes {
-        /// How often a class (row) was recalled as a class (column).
+        /// Confusion matrix: counts by true class (row) and recalled class (column).
         confusion: Vec<Vec<u32>>,
-        /// By pair, in order: it was right.
-        right: Vec<bool>,
+        /// By pair, in order: whether the recalled class is correct.
+        correct: Vec<bool>,
     },
-    /// Velocities: the root of the mean squared error of each.
+    /// Velocities.
     Velocities {
-        /// In the units of the log.
+        /// Root-mean-square error of each velocity, in the units of the log.
         rms: Vec<f64>,
     },
 }
 
 impl Score {
-    /// Asks a memory for the action of each input.
-    pub fn of(memory: &Memory, pairs: &Pairs, named: bool) -> Self {
-        let asked = pairs.inputs.chunks_exact(pairs.dims).zip(&pairs.actions);
-        if named {
+    /// Recalls the action of each input and compares it with the true one. `is_named`: the actions
+    /// are classes, not velocities.
+    pub fn new(memory: &AssociativeMemory, pairs: &InputActionPairs, is_named: bool) -> Self {
+        let samples = pairs.inputs.chunks_exact(pairs.dims).zip(&pairs.actions);
+        if is_named {
             let classes = pairs.actions.first().map_or(0, Vec::len);
             let mut confusion = vec![vec![0; classes]; classes];
-            let mut right = Vec::new();
-            for (input, action) in asked {
-                let (is, recalled) = (class(action), class(memory.recall(input)));
-                right.push(is == recalled);
-                if let Some(count) = confusion.get_mut(is).and_then(|row| row.get_mut(recalled)) {
+            let mut correct = Vec::new();
+            for (input, action) in samples {
+                let (actual, recalled) = (class(action), class(memory.recall(input)));
+                correct.push(actual == recalled);
+                if let Some(count) = confusion
+                    .get_mut(actual)
+                    .and_then(|row| row.get_mut(recalled))
+                {
                     *count += 1;
                 }
             }
-            return Self::Classes { confusion, right };
+            return Self::Classes { confusion, correct };
         }
         let mut sums = vec![0.0; pairs.actions.first().map_or(0, Vec::len)];
-        for (input, action) in asked {
+        for (input, action) in samples {
             let recalled = memory.recall(input);
-            for (sum, (is, recalled)) in sums.iter_mut().zip(action.iter().zip(recalled)) {
-                *sum += (is - recalled) * (is - recalled);
+            for (sum, (actual, recalled)) in sums.iter_mut().zip(action.iter().zip(recalled)) {
+                *sum += (actual - recalled) * (actual - recalled);
             }
         }
         let count = pairs.actions.len().max(1) as f64;
@@ -54,47 +58,47 @@ impl Score {
         Self::Velocities { rms }
     }
 
-    /// Share of the pairs recalled rightly with its 95 % interval over blocks of time; nothing for
+    /// Share of the pairs recalled correctly, with its 95 % block-bootstrap interval; `None` for
     /// velocities.
     #[must_use]
     pub fn accuracy(&self) -> Option<Mean> {
-        let Self::Classes { right, .. } = self else {
+        let Self::Classes { correct, .. } = self else {
             return None;
         };
         let block = |rows: &[bool]| {
             rows.iter()
-                .map(|&right| f64::from(u8::from(right)))
+                .map(|&is_correct| f64::from(u8::from(is_correct)))
                 .collect()
         };
-        let blocks: Vec<Vec<f64>> = right.chunks(BLOCK).map(block).collect();
+        let blocks: Vec<Vec<f64>> = correct.chunks(BLOCK).map(block).collect();
         Some(bootstrap(&blocks))
     }
 
-    /// By class: share of its pairs recalled as that class; `None` for a class that did not occur.
-    /// Empty for velocities.
+    /// Recall of each class: share of its pairs recalled as that class. `None` for a class that
+    /// does not occur; empty for velocities.
     #[must_use]
     pub fn by_class(&self) -> Vec<Option<f64>> {
         let Self::Classes { confusion, .. } = self else {
             return Vec::new();
         };
         let share = |(class, row): (usize, &Vec<u32>)| {
-            let all: u32 = row.iter().sum();
-            let right = row.get(class).copied().unwrap_or(0);
-            (all > 0).then(|| f64::from(right) / f64::from(all))
+            let total: u32 = row.iter().sum();
+            let correct = row.get(class).copied().unwrap_or(0);
+            (total > 0).then(|| f64::from(correct) / f64::from(total))
         };
         confusion.iter().enumerate().map(share).collect()
     }
 
-    /// Mean of the shares of [`by_class`](Self::by_class).
+    /// Balanced accuracy: the mean of [`by_class`](Self::by_class).
     #[must_use]
-    pub fn balanced(&self) -> f64 {
+    pub fn balanced_accuracy(&self) -> f64 {
         let shares: Vec<f64> = self.by_class().into_iter().flatten().collect();
         shares.iter().sum::<f64>() / shares.len().max(1) as f64
     }
 
-    /// Mean over the velocities of error divided by that of another score.
+    /// Mean over the velocities of the error divided by that of another score; `None` for classes.
     #[must_use]
-    pub fn error_beside(&self, other: &Self) -> Option<f64> {
+    pub fn relative_error(&self, other: &Self) -> Option<f64> {
         let (Self::Velocities { rms }, Self::Velocities { rms: others }) = (self, other) else {
             return None;
         };
@@ -107,7 +111,7 @@ impl Score {
     }
 }
 
-/// The class an action stands for: the greatest component, the first on ties.
+/// Class of an action: index of the greatest component, the first on ties.
 #[must_use]
 pub fn class(action: &[f64]) -> usize {
     let best = action

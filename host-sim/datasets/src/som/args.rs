@@ -7,9 +7,9 @@ use sim::settings;
 use std::path::PathBuf;
 use tinysom::{Grid, Neighborhood, SampleOrder, Schedule};
 
-/// Neurons a map may have.
+/// Maximum number of neurons.
 pub const MAX_NEURONS: usize = 10_000;
-/// Epochs a training may have.
+/// Maximum number of epochs.
 pub const MAX_EPOCHS: u32 = 1_000_000;
 
 /// Trains a self-organizing map on any table of numbers and says how good it is.
@@ -29,7 +29,7 @@ pub struct SomArgs {
     pub data: PathBuf,
 
     /// Neurons: COLUMNSxROWS for a rectangle, chain:COUNT for a row
-    #[arg(long, value_name = "SIZE", default_value = "4x4", value_parser = grid)]
+    #[arg(long, value_name = "SIZE", default_value = "4x4", value_parser = parse_grid)]
     pub grid: Grid,
 
     /// How often every sample is presented
@@ -44,27 +44,27 @@ pub struct SomArgs {
     /// Code vectors to begin with: "samples" (some of the data), "random" (values between each
     /// column's least and greatest), or a table of one line per neuron, row by row, in the units of
     /// the data
-    #[arg(long, value_name = "samples|random|FILE", default_value = "samples", value_parser = init)]
-    pub init: Init,
+    #[arg(long, value_name = "samples|random|FILE", default_value = "samples", value_parser = parse_init)]
+    pub init: InitialCode,
 
     /// Order in which samples are presented
-    #[arg(long, value_enum, default_value_t = Order::Shuffled)]
-    pub order: Order,
+    #[arg(long, value_enum, default_value_t = PresentationOrder::Shuffled)]
+    pub order: PresentationOrder,
 
     /// Who learns with the winner: its "direct" neighbors, or everybody by a "gaussian" of the
     /// distance on the grid
     #[arg(long, alias = "neighborhood", default_value = "gaussian",
-        value_parser = PossibleValuesParser::new(["direct", "gaussian"]).map(neighborhood))]
+        value_parser = PossibleValuesParser::new(["direct", "gaussian"]).map(parse_neighborhood))]
     pub neighborhood: Neighborhood,
 
     /// Learning rate and how it falls; SHAPE is linear, exponential or inverse
-    #[arg(long, value_name = "START:END:SHAPE", default_value = DEFAULT_RATE, value_parser = rate)]
+    #[arg(long, value_name = "START:END:SHAPE", default_value = DEFAULT_RATE, value_parser = parse_rate)]
     pub rate: Schedule,
 
     /// Radius of the gaussian in grid steps and how it falls [default: from 0.3 times the longer
     /// side of the grid, at least 1, to 0.42, exponential]; with direct neighbors their share of
     /// the learning rate [default: 0.5:0.05:exponential]
-    #[arg(long, value_name = "START:END:SHAPE", value_parser = radius)]
+    #[arg(long, value_name = "START:END:SHAPE", value_parser = parse_radius)]
     pub radius: Option<Schedule>,
 
     /// Range of the data's values, the same for all columns [default: least and greatest value]
@@ -82,25 +82,25 @@ pub struct SomArgs {
 
 /// The order in which samples are presented.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Order {
+pub enum PresentationOrder {
     /// As in the file, epoch by epoch
     File,
     /// Shuffled anew for each epoch
     Shuffled,
 }
 
-impl From<Order> for SampleOrder {
-    fn from(order: Order) -> Self {
+impl From<PresentationOrder> for SampleOrder {
+    fn from(order: PresentationOrder) -> Self {
         match order {
-            Order::File => Self::AsGiven,
-            Order::Shuffled => Self::Shuffled,
+            PresentationOrder::File => Self::AsGiven,
+            PresentationOrder::Shuffled => Self::Shuffled,
         }
     }
 }
 
-/// Code vectors to begin with.
+/// Initial code vectors.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Init {
+pub enum InitialCode {
     /// Random samples.
     Samples,
     /// Random values in each column's range.
@@ -110,10 +110,10 @@ pub enum Init {
 }
 
 impl SomArgs {
-    /// The fall of the radius, by the grid and the neighborhood where no flag says it.
+    /// Schedule of the radius: from the flag, otherwise the default for grid and neighborhood.
     ///
     /// # Errors
-    /// A direct neighbors' share above 1.
+    /// A share of the direct neighbors above 1.
     pub fn radius(&self) -> Result<Schedule, BadInput> {
         match (self.radius, self.neighborhood) {
             (Some(radius), Neighborhood::Direct) if radius.start_q16() > 1 << 16 => {
@@ -127,33 +127,33 @@ impl SomArgs {
     }
 }
 
-/// The fall of the radius for a grid where nobody says it.
+/// Default schedule of the radius for a grid.
 ///
 /// # Errors
 /// None for a grid of at most [`MAX_NEURONS`].
 pub fn default_radius(neighborhood: Neighborhood, grid: Grid) -> Result<Schedule, BadInput> {
-    radius(&match neighborhood {
+    parse_radius(&match neighborhood {
         Neighborhood::Direct => "0.5:0.05:exponential".to_owned(),
         Neighborhood::Gaussian => {
             let side = grid.columns().max(grid.rows());
-            // Ends where neighbors still hold together (less of it costs topographic error, more of
-            // it quantization error).
+            // A smaller final radius raises the topographic error, a larger one the quantization
+            // error.
             format!("{}:0.42:exponential", (0.3 * side as f64).max(1.0))
         }
     })
 }
 
-/// The learning rate where nobody says it.
+/// Default schedule of the learning rate.
 pub const DEFAULT_RATE: &str = "0.9:0.03:exponential";
 
-fn grid(text: &str) -> Result<Grid, BadInput> {
-    let shape =
+fn parse_grid(text: &str) -> Result<Grid, BadInput> {
+    let syntax_error =
         || BadInput::new("it must be COLUMNSxROWS or chain:COUNT, for example 4x4 or chain:32");
-    let count = |text: &str| text.parse::<usize>().map_err(|_| shape());
+    let count = |text: &str| text.parse::<usize>().map_err(|_| syntax_error());
     let (columns, rows) = match (text.strip_prefix("chain:"), text.split_once('x')) {
         (Some(neurons), _) => (count(neurons)?, 1),
         (None, Some((columns, rows))) => (count(columns)?, count(rows)?),
-        (None, None) => return Err(shape()),
+        (None, None) => return Err(syntax_error()),
     };
     let neurons = columns.saturating_mul(rows);
     match (u16::try_from(columns), u16::try_from(rows)) {
@@ -165,16 +165,16 @@ fn grid(text: &str) -> Result<Grid, BadInput> {
     }
 }
 
-#[expect(clippy::unnecessary_wraps, reason = "the form clap asks for")]
-fn init(text: &str) -> Result<Init, BadInput> {
+#[expect(clippy::unnecessary_wraps, reason = "clap expects a Result")]
+fn parse_init(text: &str) -> Result<InitialCode, BadInput> {
     Ok(match text {
-        "samples" => Init::Samples,
-        "random" => Init::Random,
-        path => Init::File(path.into()),
+        "samples" => InitialCode::Samples,
+        "random" => InitialCode::Random,
+        path => InitialCode::File(path.into()),
     })
 }
 
-fn neighborhood(word: String) -> Neighborhood {
+fn parse_neighborhood(word: String) -> Neighborhood {
     if word == "direct" {
         Neighborhood::Direct
     } else {
@@ -182,15 +182,15 @@ fn neighborhood(word: String) -> Neighborhood {
     }
 }
 
-/// Reads a learning rate and how it falls, `START:END:SHAPE`.
+/// Parses the schedule of a learning rate, `START:END:SHAPE`.
 ///
 /// # Errors
-/// A rate outside 0 to 1, one that rises, an unknown shape.
-pub fn rate(text: &str) -> Result<Schedule, BadInput> {
+/// A rate outside 0 to 1, an end above the start, an unknown shape.
+pub fn parse_rate(text: &str) -> Result<Schedule, BadInput> {
     settings::schedule(text, 1.0).map_err(BadInput::new)
 }
 
-fn radius(text: &str) -> Result<Schedule, BadInput> {
+fn parse_radius(text: &str) -> Result<Schedule, BadInput> {
     settings::schedule(text, MAX_NEURONS as f64).map_err(BadInput::new)
 }
 
@@ -199,7 +199,7 @@ mod tests {
     use super::*;
     use clap::{Args as _, FromArgMatches as _};
 
-    fn read(flags: &str) -> Result<SomArgs, String> {
+    fn parse(flags: &str) -> Result<SomArgs, String> {
         let words = ["som"].into_iter().chain(flags.split_whitespace());
         let command = SomArgs::augment_args(clap::Command::new("som"));
         let matches = command.try_get_matches_from(words);
@@ -208,22 +208,22 @@ mod tests {
     }
 
     #[test]
-    fn flags_say_what_they_mean() {
-        let args = read("--data a.csv --grid chain:32 --scale -1:1 --init start.csv --order file")
+    fn flags_are_parsed() {
+        let args = parse("--data a.csv --grid chain:32 --scale -1:1 --init start.csv --order file")
             .unwrap();
         assert_eq!(args.grid, Grid::chain(32));
-        assert_eq!(args.init, Init::File("start.csv".into()));
-        assert_eq!(args.order, Order::File);
+        assert_eq!(args.init, InitialCode::File("start.csv".into()));
+        assert_eq!(args.order, PresentationOrder::File);
         assert_eq!(args.scale.map(Scale::span), Some(2.0));
         assert_eq!(args.radius().unwrap().start_q16(), 629_146); // 9.6
-        let direct = read("--data a.csv --neighborhood direct").unwrap();
+        let direct = parse("--data a.csv --neighborhood direct").unwrap();
         assert_eq!(direct.radius().unwrap().start_q16(), 1 << 15);
-        assert_eq!(direct.init, Init::Samples);
+        assert_eq!(direct.init, InitialCode::Samples);
     }
 
     #[test]
-    fn bad_values_are_named_with_their_flag() {
-        for (flags, why) in [
+    fn errors_name_the_flag() {
+        for (flags, expected) in [
             ("--grid 0x4", "at least one neuron"),
             ("--grid chain:0", "at least one neuron"),
             ("--grid 4x", "COLUMNSxROWS"),
@@ -247,13 +247,13 @@ mod tests {
             ("--order sorted", "shuffled"),
             ("--neighborhood bubble", "gaussian"),
         ] {
-            let error = read(&format!("--data a.csv {flags}")).expect_err(flags);
-            assert!(error.contains(why), "{flags}: {error}");
+            let error = parse(&format!("--data a.csv {flags}")).expect_err(flags);
+            assert!(error.contains(expected), "{flags}: {error}");
             let flag = flags.split([' ', '=']).next().unwrap();
             assert!(error.contains(flag), "{flags}: {error}");
         }
-        assert!(read("").unwrap_err().contains("--data"));
-        let share = read("--data a.csv --neighborhood direct --radius 2").unwrap();
+        assert!(parse("").unwrap_err().contains("--data"));
+        let share = parse("--data a.csv --neighborhood direct --radius 2").unwrap();
         assert!(share.radius().unwrap_err().to_string().contains("--radius"));
     }
 }

@@ -1,60 +1,61 @@
 //! Self-organizing maps of any table of numbers: `host-sim som`.
 //!
-//! Data flows from [`files::table`] (a text file) through [`scale`] (weights in [0, 1]), [`start`]
-//! and a training of `tinysom` to [`report`] (figures in the data's units, code vectors, pictures).
+//! Data flow: [`files::table`] (a text file), [`scale`] (weights in [0, 1]), [`init`] (initial code
+//! vectors), training by `tinysom`, [`report`] (figures in the data's units, code vectors,
+//! pictures).
 
 pub mod args;
-pub mod measures;
+pub mod init;
+pub mod map_quality;
 pub mod report;
 pub mod scale;
-pub mod start;
 
 pub use args::SomArgs;
-pub use report::Report;
+pub use report::SomReport;
 
 use arena::noise::Noise;
-use args::Init;
+use args::InitialCode;
 use files::error::BadInput;
 use files::table::Table;
-use measures::Measures;
+use map_quality::MapQuality;
 use scale::Scale;
 use std::path::Path;
 use tinysom::{DynSom, TrainConfig, Weight32};
 
-/// Does what the flags say and returns the text for standard output, without a newline at its end.
+/// Runs the command and returns the text for standard output, without a trailing newline.
 ///
 /// # Errors
-/// One sentence about a flag, the data, the starting code vectors or the folder for the results.
+/// A sentence about a flag, the data, the initial code vectors or the output folder.
 pub fn run(args: &SomArgs) -> Result<String, BadInput> {
     let data = Table::load(&args.data)?;
     let scale = match args.scale {
         Some(scale) => scale,
-        None => Scale::of(&data)?,
+        None => Scale::from_table(&data)?,
     };
     let mut samples = scale.samples(&data)?;
     let config = train_config(args, &data)?;
     let mut noise = Noise::new(args.seed);
-    let mut map = start_map(args, scale, &samples, data.columns(), &mut noise)?;
+    let mut map = init_map(args, scale, &samples, data.columns(), &mut noise)?;
     if let Some(folder) = &args.out {
-        // A folder that cannot be made is better known before the training than after it.
+        // Reports an invalid folder before the training, which may take long.
         report::write_files(folder, &[])?;
     }
     map.train(&mut samples, &config, |below| noise.index(below));
-    let measures = Measures::of(&map, &samples);
+    let quality = MapQuality::measure(&map, &samples);
     if let Some(folder) = &args.out {
-        let record = report::record(&map, &measures, scale);
+        let record = report::record(&map, &quality, scale);
         let code = report::code_vectors_csv(&record, &data.names, scale.decimals());
         let mut files = vec![("code_vectors.csv", code)];
         files.extend(report::pictures(&record, &data));
         report::write_files(folder, &files)?;
     }
-    let report = Report {
+    let report = SomReport {
         neurons: map.grid().len(),
         dims: data.columns(),
         samples: data.rows.len(),
         epochs: args.epochs,
-        quantization_error: measures.quantization_error * scale.span(),
-        topographic_error: measures.topographic_error,
+        quantization_error: quality.quantization_error * scale.span(),
+        topographic_error: quality.topographic_error,
     };
     Ok(if args.json {
         report.to_json()
@@ -82,7 +83,7 @@ fn train_config(args: &SomArgs, data: &Table) -> Result<TrainConfig, BadInput> {
     })
 }
 
-fn start_map(
+fn init_map(
     args: &SomArgs,
     scale: Scale,
     samples: &[Weight32],
@@ -90,13 +91,13 @@ fn start_map(
     noise: &mut Noise,
 ) -> Result<DynSom, BadInput> {
     match &args.init {
-        Init::Samples => start::start_at_samples(args.grid, dims, samples, noise),
-        Init::Random => start::start_at_random(args.grid, dims, samples, noise),
-        Init::File(path) => start_at_table(args, scale, dims, path),
+        InitialCode::Samples => init::init_from_samples(args.grid, dims, samples, noise),
+        InitialCode::Random => init::init_at_random(args.grid, dims, samples, noise),
+        InitialCode::File(path) => init_from_table(args, scale, dims, path),
     }
 }
 
-fn start_at_table(
+fn init_from_table(
     args: &SomArgs,
     scale: Scale,
     dims: usize,
@@ -115,7 +116,7 @@ fn start_at_table(
         );
         return Err(BadInput::file(path, what));
     }
-    start::map_of(args.grid, dims, scale.code(&table)?)
+    init::new_map(args.grid, dims, scale.code_vectors(&table)?)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
-//! What is told about a trained map: figures, code vectors, and the record pictures are drawn from.
+//! Results of a training: figures, code vectors and pictures.
 
-use super::measures::{Measures, u_matrix};
+use super::map_quality::{MapQuality, u_matrix};
 use super::scale::Scale;
 use files::error::BadInput;
 use files::table::Table;
@@ -10,9 +10,9 @@ use std::fmt;
 use std::path::Path;
 use tinysom::DynSom;
 
-/// The figures of a trained map; distances in the data's own units.
+/// Figures of a trained map; distances in the units of the data.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Report {
+pub struct SomReport {
     /// Number of neurons.
     pub neurons: usize,
     /// Components of a sample.
@@ -28,7 +28,7 @@ pub struct Report {
     pub topographic_error: f64,
 }
 
-impl Report {
+impl SomReport {
     /// One JSON object on one line.
     #[must_use]
     pub fn to_json(&self) -> String {
@@ -36,8 +36,8 @@ impl Report {
     }
 }
 
-impl fmt::Display for Report {
-    /// A table of one figure per line.
+impl fmt::Display for SomReport {
+    /// A table with one figure per line.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "neurons             {:>10}", self.neurons)?;
         writeln!(f, "components          {:>10}", self.dims)?;
@@ -55,14 +55,14 @@ impl fmt::Display for Report {
     }
 }
 
-/// A map in the data's own units, ready to be drawn.
+/// The map in the units of the data, in the form that pictures are drawn from.
 #[must_use]
-pub fn record(map: &DynSom, measures: &Measures, scale: Scale) -> MapRecord {
+pub fn record(map: &DynSom, quality: &MapQuality, scale: Scale) -> MapRecord {
     let values = |row: &[_]| row.iter().map(|&weight| scale.value(weight)).collect();
     MapRecord {
         grid: [map.grid().columns(), map.grid().rows()],
         code: map.code_vectors().map(values).collect(),
-        hits: measures.hits.clone(),
+        hits: quality.hits.clone(),
         u_matrix: u_matrix(map)
             .iter()
             .map(|distance| distance * scale.span())
@@ -70,8 +70,8 @@ pub fn record(map: &DynSom, measures: &Measures, scale: Scale) -> MapRecord {
     }
 }
 
-/// The code vectors as a table, one line per neuron, row by row, in the data's own units: what
-/// `--init` takes.
+/// The code vectors as a table, one line per neuron, row by row, in the units of the data;
+/// `--init` accepts it.
 #[must_use]
 pub fn code_vectors_csv(map: &MapRecord, names: &[String], decimals: usize) -> String {
     let heading = names
@@ -99,11 +99,11 @@ fn quoted(name: &str) -> String {
     }
 }
 
-/// The pictures of a map and its data: file names and SVG documents. Data of two or three columns
-/// are also drawn as a cloud with the map in it.
+/// Pictures of a map and its data: file names and SVG documents. Data with two or three columns get
+/// a scatter plot with the map in it.
 #[must_use]
 pub fn pictures(map: &MapRecord, data: &Table) -> Vec<(&'static str, String)> {
-    let cloud = plots::scatter(map, &data.rows, &data.names, "Samples and map");
+    let scatter = plots::scatter(map, &data.rows, &data.names, "Samples and map");
     let mut pictures = vec![
         (
             "code_vectors.svg",
@@ -111,15 +111,15 @@ pub fn pictures(map: &MapRecord, data: &Table) -> Vec<(&'static str, String)> {
         ),
         ("u_matrix.svg", plots::u_matrix(map, "U-matrix and hits")),
     ];
-    pictures.extend(cloud.map(|picture| ("samples.svg", picture)));
+    pictures.extend(scatter.map(|picture| ("samples.svg", picture)));
     pictures
 }
 
-/// Writes files into a folder, which is made if need be. Each appears under its name only when it
-/// is complete.
+/// Writes files into a folder and creates the folder if it does not exist. Each file appears under
+/// its name only when it is complete.
 ///
 /// # Errors
-/// A sentence naming the folder or file that cannot be written.
+/// A sentence that names the folder or file that cannot be written.
 pub fn write_files(folder: &Path, contents: &[(&str, String)]) -> Result<(), BadInput> {
     std::fs::create_dir_all(folder).map_err(|error| BadInput::file(folder, error))?;
     for (name, content) in contents {
@@ -134,8 +134,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_object_has_exactly_its_keys() {
-        let report = Report {
+    fn json_has_exactly_these_keys() {
+        let report = SomReport {
             neurons: 16,
             dims: 3,
             samples: 100,
@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn files_appear_whole_or_not_at_all() {
+    fn files_are_complete_or_absent() {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("a/b");
         write_files(&out, &[("x.csv", "1\n".to_owned())]).unwrap();
@@ -182,7 +182,7 @@ mod tests {
             .unwrap_err()
             .to_string();
         assert!(error.contains("x.csv"), "{error}");
-        // The name is taken by a folder: the rename fails and leaves nothing behind.
+        // A folder has this name: the rename fails and the temporary file is deleted.
         std::fs::create_dir(out.join("y.csv")).unwrap();
         let error = write_files(&out, &[("y.csv", "1\n".to_owned())])
             .unwrap_err()

@@ -4,7 +4,7 @@ use tempfile::TempDir;
 use tinysom::Grid;
 
 /// A folder with `data.csv`: 60 samples of 3 values between 10 and 30, with heading and labels.
-fn folder() -> TempDir {
+fn data_folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let mut noise = Noise::new(5);
     let mut text = "width,height,depth,kind\n".to_owned();
@@ -30,8 +30,8 @@ fn som(folder: &TempDir, flags: &str) -> Result<String, String> {
 }
 
 #[test]
-fn figures_are_in_the_units_of_the_data() {
-    let folder = folder();
+fn figures_have_the_units_of_the_data() {
+    let folder = data_folder();
     let text = som(&folder, "--grid 3x2 --epochs 30 --json --out @/out").unwrap();
     let report: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(
@@ -42,7 +42,7 @@ fn figures_are_in_the_units_of_the_data() {
         (&report["samples"], &report["epochs"]),
         (&60.into(), &30.into())
     );
-    // Measured again in floats, from the code vectors as written.
+    // Computes the quantization error in floats from the written code vectors.
     let data = Table::load(&folder.path().join("data.csv")).unwrap();
     let code = Table::load(&folder.path().join("out/code_vectors.csv")).unwrap();
     assert_eq!(code.names, ["width", "height", "depth"]);
@@ -64,17 +64,17 @@ fn figures_are_in_the_units_of_the_data() {
             .fold(f64::INFINITY, f64::min)
     };
     let mean = data.rows.iter().map(nearest).sum::<f64>() / 60.0;
-    let told = report["quantization_error"].as_f64().unwrap();
+    let reported = report["quantization_error"].as_f64().unwrap();
     assert!(
-        (told - mean).abs() < 0.01 && mean > 0.5 && mean < 3.5,
-        "{told} {mean}"
+        (reported - mean).abs() < 0.01 && mean > 0.5 && mean < 3.5,
+        "{reported} {mean}"
     );
     assert!((0.0..=1.0).contains(&report["topographic_error"].as_f64().unwrap()));
 }
 
 #[test]
-fn the_seed_fixes_every_byte() {
-    let folder = folder();
+fn results_depend_only_on_the_seed() {
+    let folder = data_folder();
     let code = |out: &str| {
         std::fs::read_to_string(folder.path().join(out).join("code_vectors.csv")).unwrap()
     };
@@ -86,7 +86,7 @@ fn the_seed_fixes_every_byte() {
     assert_eq!(code("a"), code("b"));
     som(&folder, "--out @/c --seed 8 --init random").unwrap();
     assert_ne!(code("a"), code("c"));
-    // Nothing random is left when start and order are given.
+    // With given code vectors and order, the seed has no effect.
     som(
         &folder,
         "--out @/d --seed 1 --init @/a/code_vectors.csv --order file",
@@ -101,22 +101,22 @@ fn the_seed_fixes_every_byte() {
 }
 
 #[test]
-fn code_vectors_written_are_code_vectors_read() {
-    let folder = folder();
+fn written_code_vectors_can_be_read_back() {
+    let folder = data_folder();
     som(&folder, "--out @/a").unwrap();
-    // With no learning at all the map stays what it was.
+    // With a learning rate of 0 the map does not change.
     som(&folder, "--out @/b --init @/a/code_vectors.csv --rate 0").unwrap();
     let read = |out: &str| std::fs::read(folder.path().join(out).join("code_vectors.csv")).unwrap();
     assert_eq!(read("a"), read("b"));
 }
 
 #[test]
-fn bad_input_is_named() {
-    let folder = folder();
+fn errors_name_the_bad_input() {
+    let folder = data_folder();
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
     write("short.csv", "1,2,3\n4,5,6\n");
     write("far.csv", &"1,2,300\n".repeat(16));
-    for (flags, why) in [
+    for (flags, expected) in [
         (
             "--init @/short.csv",
             "short.csv: 2 x 3 values where the map has 16 neurons of 3 components",
@@ -138,7 +138,7 @@ fn bad_input_is_named() {
         ),
     ] {
         let error = som(&folder, flags).expect_err(flags);
-        assert!(error.contains(why), "{flags}: {error}");
+        assert!(error.contains(expected), "{flags}: {error}");
         assert!(!error.contains('\n'), "{error}");
     }
     write("data.csv", &"1,2\n".repeat(5_000));
@@ -153,7 +153,7 @@ fn bad_input_is_named() {
 
 #[test]
 fn the_smallest_maps_and_tables_work() {
-    let folder = folder();
+    let folder = data_folder();
     std::fs::write(folder.path().join("data.csv"), "5\n").unwrap();
     for flags in [
         "--grid 1x1",
@@ -170,17 +170,17 @@ fn the_smallest_maps_and_tables_work() {
 }
 
 #[test]
-fn starts_lie_among_the_samples() {
+fn initial_code_vectors_lie_within_the_samples() {
     let bits = [100, 7_000, 300, 8_000, 200, 7_500];
     let samples: Vec<_> = bits.map(Weight32::from_bits).to_vec();
-    let map = start::start_at_samples(Grid::chain(3), 2, &samples, &mut Noise::new(1)).unwrap();
+    let map = init::init_from_samples(Grid::chain(3), 2, &samples, &mut Noise::new(1)).unwrap();
     let mut rows: Vec<_> = map.code_vectors().map(<[_]>::to_vec).collect();
     rows.sort();
     assert_eq!(
         rows.concat(),
         [100, 7_000, 200, 7_500, 300, 8_000].map(Weight32::from_bits)
     );
-    let map = start::start_at_random(Grid::chain(100), 2, &samples, &mut Noise::new(1)).unwrap();
+    let map = init::init_at_random(Grid::chain(100), 2, &samples, &mut Noise::new(1)).unwrap();
     for row in map.code_vectors() {
         assert!(
             (100..=300).contains(&row[0].to_bits()) && (7_000..=8_000).contains(&row[1].to_bits())
@@ -189,8 +189,8 @@ fn starts_lie_among_the_samples() {
 }
 
 #[test]
-fn more_columns_than_a_map_has_components_are_refused() {
-    let folder = folder();
+fn too_many_columns_are_rejected() {
+    let folder = data_folder();
     let line = vec!["1"; 4_096].join(",");
     std::fs::write(folder.path().join("data.csv"), format!("{line}\n")).unwrap();
     let error = som(&folder, "--grid 1x1").unwrap_err();

@@ -5,8 +5,8 @@
 //! whose radius falls from 8 to 0.5.
 
 use arena::noise::Noise;
-use datasets::som::measures::Measures;
-use datasets::som::start::start_at_samples;
+use datasets::som::init::init_from_samples;
+use datasets::som::map_quality::MapQuality;
 use tinysom::{Decay, Grid, Neighborhood, SampleOrder, Schedule, TrainConfig, Weight32};
 
 /// Neurons of the chain.
@@ -93,12 +93,12 @@ impl Chain {
         let points: Vec<_> = (0..POINTS).map(|_| cloud.draw(&mut noise)).collect();
         let mut samples = flat(&points);
         let grid = Grid::chain(NEURONS as u16);
-        let mut map = start_at_samples(grid, 3, &samples, &mut noise).expect("three components");
+        let mut map = init_from_samples(grid, 3, &samples, &mut noise).expect("three components");
         map.train(&mut samples, &train_config(), |below| noise.index(below));
         let mut probes =
             |cloud: Cloud| -> Vec<_> { (0..PROBES).map(|_| cloud.draw(&mut noise)).collect() };
-        let measured = Measures::of(&map, &flat(&probes(cloud)));
-        let everywhere = Measures::of(&map, &flat(&probes(Cloud::Uniform)));
+        let measured = MapQuality::measure(&map, &flat(&probes(cloud)));
+        let everywhere = MapQuality::measure(&map, &flat(&probes(Cloud::Uniform)));
         let code: Vec<Point3> = map.code_vectors().map(point_of).collect();
         Self {
             in_the_void: code.iter().filter(|point| !cloud.covers(point)).count(),

@@ -109,7 +109,7 @@ impl<'w> Body<'w> {
     /// Allows [`Moved::clearance_m`] to be infinite from this gap on, meters, which saves the
     /// search for far surfaces. Lasts until the robot is placed elsewhere.
     pub fn ignore_gaps_above(&mut self, gap_m: f64) {
-        self.base.tell_gaps_below(gap_m);
+        self.base.limit_reported_gaps(gap_m);
     }
 
     /// Simulates one step: a whole ring and its motion with the ideal sonars, one firing slot with

@@ -2,8 +2,8 @@
 
 use super::{LearnResults, size};
 use crate::cli::CliError;
-use datasets::learn::{Map, Method, Score};
-use datasets::som::measures::u_matrix;
+use datasets::learn::{MapResult, RecallMethod, Score};
+use datasets::som::map_quality::u_matrix;
 use datasets::som::report::{code_vectors_csv, write_files};
 use plots::{Figure, LabeledMap};
 use sim::recording::MapRecord;
@@ -20,11 +20,11 @@ impl LearnResults<'_> {
     pub(super) fn pictures(&self, folder: &Path) -> Result<(), CliError> {
         let mut files = Vec::new();
         let mut figures = Vec::new();
-        if self.found.maps.len() > 1 {
+        if self.evaluation.maps.len() > 1 {
             files.push(("map_size.svg".to_owned(), self.curve()));
             figures.push(figure("map_size.svg", "Map size", CURVE));
         }
-        for map in &self.found.maps {
+        for map in &self.evaluation.maps {
             let (maps, names) = self.pictures_of(map);
             files.extend(maps);
             figures.extend(names);
@@ -38,8 +38,8 @@ impl LearnResults<'_> {
         Ok(write_files(folder, &files)?)
     }
 
-    fn pictures_of(&self, map: &Map) -> (Vec<(String, String)>, Vec<Figure>) {
-        let name = |what: &str, ending: &str| match self.found.maps.len() {
+    fn pictures_of(&self, map: &MapResult) -> (Vec<(String, String)>, Vec<Figure>) {
+        let name = |what: &str, ending: &str| match self.evaluation.maps.len() {
             1 => format!("{what}.{ending}"),
             _ => format!("{what}_{}.{ending}", size(map)),
         };
@@ -48,7 +48,7 @@ impl LearnResults<'_> {
             map: &record,
             labels: &map.labels,
             components: self.components(),
-            named: self.named(),
+            named: self.is_named(),
         };
         let (svg, csv) = (name("situation_map", "svg"), name("code_vectors", "csv"));
         let title = format!("Situation map, {}", size(map));
@@ -57,12 +57,12 @@ impl LearnResults<'_> {
             (svg, plots::labeled_map(&labels, &title)),
             (csv, code_vectors_csv(&record, &self.log.names, DECIMALS)),
         ];
-        for recalled in &map.recalls {
-            let Score::Classes { confusion, .. } = &recalled.score else {
+        for result in &map.scores {
+            let Score::Classes { confusion, .. } = &result.score else {
                 continue;
             };
-            let svg = name(&format!("confusion_{}", recalled.method.key()), "svg");
-            let [by, with] = recalled.method.words(true);
+            let svg = name(&format!("confusion_{}", result.method.key()), "svg");
+            let [by, with] = result.method.descriptions(true);
             let title = format!("{by}, probed with the {with}, {}", size(map));
             figures.push(figure(&svg, &title, CONFUSION));
             files.push((svg, plots::confusion(&title, self.components(), confusion)));
@@ -71,7 +71,7 @@ impl LearnResults<'_> {
     }
 
     /// The situation map as nearness; distances in the log's unit.
-    fn record(&self, map: &Map) -> MapRecord {
+    fn record(&self, map: &MapResult) -> MapRecord {
         let nearness = |row: &[amp::fixed::Weight32]| {
             let one = f64::from(amp::fixed::FINE_ONE_BITS);
             row.iter()
@@ -81,7 +81,7 @@ impl LearnResults<'_> {
         MapRecord {
             grid: [map.grid.columns(), map.grid.rows()],
             code: map.situations.code_vectors().map(nearness).collect(),
-            hits: map.learned.hits.clone(),
+            hits: map.training.hits.clone(),
             u_matrix: u_matrix(&map.situations)
                 .iter()
                 .map(|distance| distance * self.span())
@@ -91,20 +91,15 @@ impl LearnResults<'_> {
 
     fn curve(&self) -> String {
         let lines = (0..3).filter_map(|index| {
-            let recalled = |map: &Map| {
-                map.recalls
-                    .get(index)
-                    .map(|recalled| self.headline(recalled))
-            };
-            let method = self.found.maps.first()?.recalls.get(index)?.method;
-            let values = self.found.maps.iter().filter_map(recalled).collect();
+            let value = |map: &MapResult| map.scores.get(index).map(|result| self.headline(result));
+            let method = self.evaluation.maps.first()?.scores.get(index)?.method;
+            let values = self.evaluation.maps.iter().filter_map(value).collect();
             Some((self.line_name(method), values))
         });
-        let levels = self.found.references.iter();
-        let levels =
-            levels.map(|recalled| (self.line_name(recalled.method), self.headline(recalled)));
-        let sizes: Vec<_> = self.found.maps.iter().map(size).collect();
-        let measure = if self.named() {
+        let levels = self.evaluation.baselines.iter();
+        let levels = levels.map(|result| (self.line_name(result.method), self.headline(result)));
+        let sizes: Vec<_> = self.evaluation.maps.iter().map(size).collect();
+        let measure = if self.is_named() {
             "share of the held-out actions recalled correctly"
         } else {
             "error relative to that of the mean"
@@ -118,8 +113,8 @@ impl LearnResults<'_> {
         )
     }
 
-    fn line_name(&self, method: Method) -> String {
-        let [by, with] = method.words(self.named());
+    fn line_name(&self, method: RecallMethod) -> String {
+        let [by, with] = method.descriptions(self.is_named());
         if with == "nothing" {
             by.to_owned()
         } else {

@@ -1,4 +1,4 @@
-//! Roots, quotients, exponentials and logarithms of integers, without a floating-point unit.
+//! Square roots, quotients, exponentials and logarithms in integer arithmetic.
 
 /// Integer square root, rounded down.
 ///
@@ -17,14 +17,14 @@ pub const fn isqrt(value: u64) -> u32 {
     }
 }
 
-/// Heron's iteration from above: with a division in one instruction three times as fast on the chip
-/// as the digit by digit root of `core`.
+/// Integer square root by Heron's method, from above. On a chip with a division instruction it is
+/// three times as fast as the digit-by-digit root of `core`.
 #[inline(never)]
 pub const fn isqrt_u32(value: u32) -> u32 {
     if value < 2 {
         return value;
     }
-    // A power of two not below the root.
+    // The first estimate is a power of two at or above the root.
     let mut root = 1 << (32 - value.leading_zeros()).div_ceil(2);
     while let Some(quotient) = value.checked_div(root) {
         let next = root.wrapping_add(quotient) >> 1;
@@ -36,8 +36,8 @@ pub const fn isqrt_u32(value: u32) -> u32 {
     root
 }
 
-/// `numerator / denominator` rounded towards 0; 0 for a denominator of 0. What fits is divided in
-/// 32 bits, which is one instruction on the chip and 64 bits are some 50.
+/// `numerator / denominator` rounded towards 0; 0 for a denominator of 0. Divides in 32 bits where
+/// both fit: that is one instruction on the chip; 64 bits take about 50.
 #[must_use]
 pub fn quotient(numerator: i64, denominator: i64) -> i64 {
     let small = (i32::try_from(numerator), i32::try_from(denominator));
@@ -63,8 +63,8 @@ const EXP2_TABLE: [u32; 65] = {
     table
 };
 
-/// 2^(−x) for x in Q16, as Q31 (2³¹ = 1.0); relative error at most 2·10⁻⁵ (table of 64, linear in
-/// between) beside the rounding to 2⁻³¹.
+/// 2^(−x) for x in Q16, as Q31 (2³¹ = 1.0). Interpolates linearly in a table of 64 intervals:
+/// relative error at most 2·10⁻⁵, plus the rounding to 2⁻³¹.
 #[must_use]
 pub const fn exp2_neg(x_q16: u32) -> u32 {
     let octaves = x_q16 >> 16;
@@ -92,14 +92,14 @@ pub const fn exp_neg(x_q16: u32) -> u32 {
     })
 }
 
-/// log₂(`numerator`/`denominator`) in Q16, rounded down to 2⁻¹⁶; 0 where the ratio is below 1 or
-/// not a number.
+/// log₂(`numerator`/`denominator`) in Q16, rounded down to 2⁻¹⁶; 0 if the ratio is below 1 or
+/// `denominator` is 0.
 #[must_use]
 pub const fn log2_ratio(numerator: u32, denominator: u32) -> u32 {
     if denominator == 0 || numerator <= denominator {
         return 0;
     }
-    // The ratio in Q31 between 1 and 2, then one bit of the logarithm per squaring.
+    // Normalizes the ratio to [1, 2) in Q31; each squaring then gives one bit of the logarithm.
     let ratio = ((numerator as u64) << 31) / denominator as u64;
     let octaves = 63 - ratio.leading_zeros() - 31;
     let mut mantissa = ratio >> octaves;

@@ -1,16 +1,16 @@
-//! Which components of a vector count.
+//! Selects components of a vector.
 
-/// Bit `i` for component `i`; components from 32 on always count.
+/// A set of components: bit `i` selects component `i`. Components from 32 on are always selected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Mask(u32);
 
 impl Mask {
-    /// Every component counts.
+    /// Selects all components.
     pub const ALL: Self = Self(u32::MAX);
 
-    /// None of the first 32 components counts.
+    /// Selects none of the first 32 components.
     pub const NONE: Self = Self(0);
 
     /// The mask with these raw bits.
@@ -25,26 +25,26 @@ impl Mask {
         self.0
     }
 
-    /// Whether component `index` counts.
+    /// Whether component `index` is selected.
     #[must_use]
     pub const fn contains(self, index: usize) -> bool {
         index >= 32 || self.0 & (1 << index) != 0
     }
 
-    /// Whether each of the first `dims` components counts.
+    /// Whether each of the first `dims` components is selected.
     #[must_use]
     pub const fn covers(self, dims: usize) -> bool {
         let low = first_bits(dims);
         self.0 & low == low
     }
 
-    /// Those of the first `count` components, at most 32, that count, in order.
+    /// The selected ones of the first `count` (at most 32) components, in order.
     pub fn indices(self, count: usize) -> impl Iterator<Item = usize> {
-        let mut left = self.0 & first_bits(count);
+        let mut remaining = self.0 & first_bits(count);
         core::iter::from_fn(move || {
-            let first = left.trailing_zeros();
-            (left != 0).then(|| {
-                left &= left.wrapping_sub(1);
+            let first = remaining.trailing_zeros();
+            (remaining != 0).then(|| {
+                remaining &= remaining.wrapping_sub(1);
                 first as usize
             })
         })
@@ -70,7 +70,7 @@ impl Mask {
         }
     }
 
-    /// The components that count in both.
+    /// The components selected in both masks.
     #[must_use]
     pub const fn and(self, other: Self) -> Self {
         Self(self.0 & other.0)

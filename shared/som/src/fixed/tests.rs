@@ -4,15 +4,15 @@ use std::vec::Vec;
 
 #[test]
 fn exp_neg_error_bound() {
-    let (mut worst, mut sum) = (0.0_f64, 0.0_f64);
+    let (mut max, mut sum) = (0.0_f64, 0.0_f64);
     let stride = if cfg!(miri) { 3_701 } else { 37 };
     for x in (0..20 << 16).step_by(stride) {
         let exact = libm::exp(-f64::from(x) / 65_536.0);
         let error = (f64::from(exp_neg(x)) / 2_147_483_648.0 - exact).abs();
-        worst = worst.max(error);
+        max = max.max(error);
         sum += error;
     }
-    assert!(worst <= 3e-5, "worst {worst}");
+    assert!(max <= 3e-5, "max {max}");
     let mean = sum * stride as f64 / f64::from(20 << 16);
     assert!(mean <= 2e-6, "mean {mean}");
 }
@@ -35,7 +35,7 @@ fn log2_ratio_error_bound() {
 }
 
 #[test]
-fn a_mask_holds_what_it_is_given_and_everything_beyond_its_bits() {
+fn a_mask_selects_its_bits_and_all_components_from_32() {
     for index in [0, 5, 31] {
         let (one, others) = (Mask::NONE.with(index), Mask::ALL.without(index));
         assert_eq!(
@@ -50,16 +50,18 @@ fn a_mask_holds_what_it_is_given_and_everything_beyond_its_bits() {
             (Mask::NONE, Mask::ALL)
         );
     }
-    for beyond in [32, 33, 1_000] {
-        assert!(Mask::NONE.contains(beyond));
-        assert_eq!(Mask::NONE.with(beyond), Mask::NONE);
-        assert_eq!(Mask::ALL.without(beyond), Mask::ALL);
+    for index in [32, 33, 1_000] {
+        assert!(Mask::NONE.contains(index));
+        assert_eq!(Mask::NONE.with(index), Mask::NONE);
+        assert_eq!(Mask::ALL.without(index), Mask::ALL);
     }
     let (low, even) = (Mask::from_bits(0b111), Mask::from_bits(0b1_0101));
     assert_eq!(low.and(even), Mask::from_bits(0b101));
     assert!(low.covers(3) && !low.covers(4) && Mask::NONE.covers(0));
-    let most = Mask::ALL.without(31);
-    assert!(most.covers(31) && !most.covers(32) && Mask::ALL.covers(32) && Mask::ALL.covers(33));
+    let lower_31 = Mask::ALL.without(31);
+    assert!(
+        lower_31.covers(31) && !lower_31.covers(32) && Mask::ALL.covers(32) && Mask::ALL.covers(33)
+    );
 }
 
 #[test]
@@ -91,7 +93,7 @@ fn weights_and_gains_are_clamped_to_one() {
 }
 
 #[test]
-fn gains_multiply_to_the_nearest_and_know_their_half() {
+fn gains_multiply_to_the_nearest_and_compare_with_half() {
     let gain = Gain::from_bits;
     assert_eq!(gain(1 << 29).times(gain(1 << 29)), gain(1 << 28));
     assert_eq!(gain(3).times(gain(1 << 29)), gain(2), "1.5 is rounded up");
@@ -126,7 +128,7 @@ fn upper_halves_are_rounded_down() {
 }
 
 #[test]
-fn powers_of_two_end_with_the_last_bit() {
+fn powers_of_two_reach_the_last_bit_and_then_zero() {
     assert_eq!(
         (exp2_neg(0), exp2_neg(1 << 16), exp2_neg(31 << 16)),
         (1 << 31, 1 << 30, 1)
@@ -135,7 +137,7 @@ fn powers_of_two_end_with_the_last_bit() {
         (exp2_neg(32 << 16), exp2_neg(u32::MAX), exp_neg(u32::MAX)),
         (0, 0, 0)
     );
-    // A ratio below 1, or of nothing, has no logarithm here.
+    // The logarithm is 0 for ratios up to 1 and for zeros.
     for (a, b) in [(0, 0), (5, 0), (0, 5), (3, 5), (5, 5)] {
         assert_eq!(log2_ratio(a, b), 0, "{a}/{b}");
     }
@@ -162,30 +164,30 @@ proptest! {
     }
 
     #[test]
-    fn dot_equals_the_wide_sum(pairs in prop::collection::vec((-8192_i16..=8192, -8192_i16..=8192), 0..70)) {
+    fn dot_equals_the_64_bit_sum(pairs in prop::collection::vec((-8192_i16..=8192, -8192_i16..=8192), 0..70)) {
         let a: Vec<_> = pairs.iter().map(|p| Weight::from_bits(p.0)).collect();
         let b: Vec<_> = pairs.iter().map(|p| Weight::from_bits(p.1)).collect();
-        let wide: i64 = pairs.iter().map(|p| i64::from(p.0) * i64::from(p.1)).sum();
-        prop_assert_eq!(dot(&a, &b), wide);
-        let expanded = squared_norm(&a) + squared_norm(&b) - 2 * wide;
+        let sum: i64 = pairs.iter().map(|p| i64::from(p.0) * i64::from(p.1)).sum();
+        prop_assert_eq!(dot(&a, &b), sum);
+        let expanded = squared_norm(&a) + squared_norm(&b) - 2 * sum;
         prop_assert_eq!(squared_distance(&a, &b, Mask::ALL), (expanded as u64) << 24);
     }
 
     #[test]
-    fn approach_stays_between(from in -1_i32 << 29..=1 << 29, to in -1_i32 << 29..=1 << 29, gain in 0_u32..=1 << 30) {
+    fn approach_stays_between_its_arguments(from in -1_i32 << 29..=1 << 29, to in -1_i32 << 29..=1 << 29, gain in 0_u32..=1 << 30) {
         let (a, b) = (Weight32::from_bits(from), Weight32::from_bits(to));
         let moved = approach(a, b, Gain::from_bits(gain));
         prop_assert!(moved >= a.min(b) && moved <= a.max(b));
         let exact = f64::from(from) + (f64::from(to) - f64::from(from)) * f64::from(gain) / f64::from(1 << 30);
         prop_assert!((f64::from(moved.to_bits()) - exact).abs() < 1.0);
-        let plain = i64::from(from) + ((i64::from(to - from) * i64::from(gain)) >> 30);
-        prop_assert_eq!(i64::from(moved.to_bits()), plain);
+        let expected = i64::from(from) + ((i64::from(to - from) * i64::from(gain)) >> 30);
+        prop_assert_eq!(i64::from(moved.to_bits()), expected);
         prop_assert_eq!(approach(a, b, Gain::ZERO), a);
         prop_assert_eq!(approach(a, b, Gain::ONE), b);
     }
 
     #[test]
-    fn small_roots_are_those_of_core(value in any::<u32>()) {
+    fn isqrt_u32_equals_core(value in any::<u32>()) {
         for value in [value, value >> 16, value >> 28] {
             prop_assert_eq!(isqrt_u32(value), value.isqrt());
         }
@@ -199,7 +201,7 @@ proptest! {
 }
 
 #[test]
-fn plain_numbers_become_q16() {
+fn floats_become_q16() {
     assert_eq!((q16(0.5), q16(1.0), q16(0.0)), (32_768, 65_536, 0));
     assert_eq!((q16(-3.0), q16(f32::NAN), q16(1e9)), (0, 0, u32::MAX));
     assert_eq!(q16(0.01), 655, "655.36 is rounded");

@@ -1,15 +1,15 @@
 //! Vectors of weights: products, distances, and a step from one towards another.
 //!
-//! Components lie in [−1, 1]; then a product is at most 2²⁶ in units of 2⁻²⁶, and 31 of them fit an
-//! `i32`.
+//! Components lie in [−1, 1]. So a product is at most 2²⁶ in units of 2⁻²⁶, and a sum of 31
+//! products fits an `i32`.
 
 use super::{Gain, Mask, Weight, Weight32, to_weight16};
 
-/// A component of a vector, in either precision.
+/// A component of a vector, in 16 or 32 bits.
 pub trait Scalar: Copy {
-    /// The 16-bit value at or next below it.
+    /// Its value rounded down to 16 bits.
     fn to_weight16(self) -> Weight;
-    /// Its value in full precision.
+    /// Its value in 32 bits.
     fn to_weight32(self) -> Weight32;
 }
 
@@ -39,30 +39,31 @@ impl Scalar for Weight32 {
 
 /// `from` moved towards `to` by the fraction `gain`, rounded down to 2⁻²⁹.
 ///
-/// Stays between the two while both lie in [−1, 1]; gains 0 and 1 are exact.
+/// The result lies between the two if both lie in [−1, 1]; gains 0 and 1 are exact.
 #[inline]
 #[must_use]
 pub const fn approach(from: Weight32, to: Weight32, gain: Gain) -> Weight32 {
     // Values in [−1, 1] differ by at most 2³⁰.
     let difference = to.to_bits().wrapping_sub(from.to_bits());
-    // The step is the upper half of difference · 4 gain. From 1/2 on, 4 gain leaves 31 bits and
-    // wraps to 4 gain − 2³², which lacks just one difference: such a step starts at `to` instead.
+    // The step is the upper half of difference · 4 gain. For gains of 1/2 or more, 4 gain wraps to
+    // 4 gain − 2³², so the step is too small by one difference. Starting at `to` adds it.
     let step = high_product(difference, gain.to_q32());
     let start = if gain.is_below_half() { from } else { to };
     Weight32::from_bits(start.to_bits().wrapping_add(step))
 }
 
-/// The upper half of a product of 64 bits, rounded down.
+/// Upper 32 bits of the 64-bit product, rounded down.
 #[inline]
 pub(crate) const fn high_product(a: i32, b: i32) -> i32 {
     ((a as i64 * b as i64) >> 32) as i32
 }
 
-/// Products that are summed in 32 bits before they are widened: 16 · 2²⁶ = 2³⁰. Compilers turn such
-/// a block into paired multiply–adds.
+/// Number of products summed in 32 bits before widening; their sum is at most 16 · 2²⁶ = 2³⁰. The
+/// compiler turns such a block into paired multiply–adds.
 const BLOCK: usize = 16;
 
-/// Sum of products of the 16-bit values of two vectors, in units of 2⁻²⁶; the shorter one decides.
+/// Dot product of the 16-bit values of two vectors, in units of 2⁻²⁶. Components beyond the shorter
+/// vector are ignored.
 #[inline]
 #[must_use]
 pub fn dot<A: Scalar, B: Scalar>(a: &[A], b: &[B]) -> i64 {
@@ -104,10 +105,12 @@ pub fn squared_distance<A: Scalar, B: Scalar>(a: &[A], b: &[B], mask: Mask) -> u
     if mask.covers(a.len()) {
         return squares.fold(0, u64::wrapping_add);
     }
-    let counted = squares
+    let selected = squares
         .enumerate()
         .filter(|(index, _)| mask.contains(*index));
-    counted.map(|(_, square)| square).fold(0, u64::wrapping_add)
+    selected
+        .map(|(_, square)| square)
+        .fold(0, u64::wrapping_add)
 }
 
 #[inline]

@@ -1,24 +1,24 @@
-//! Kernels behind their door: plain ones stand in for a processor's.
+//! A map with kernels compared with one without; plain Rust kernels replace the CPU-specific ones.
 
 use super::*;
 use crate::fixed::high_product;
 use crate::kernels::{Group, Kernels};
 use core::cell::Cell;
 
-/// The contract of [`Kernels`] in plain words.
+/// Kernels in portable Rust.
 static PLAIN: Kernels = Kernels { candidates, update };
 
 std::thread_local! {
-    /// Calls of `candidates` and of `update` by this test.
+    /// Number of calls of `candidates` and of `update` in this thread.
     static CALLS: Cell<[u32; 2]> = const { Cell::new([0; 2]) };
 }
 
-/// Calls since the last time.
-fn calls() -> [u32; 2] {
+/// Returns the numbers of calls and resets them.
+fn take_calls() -> [u32; 2] {
     CALLS.replace([0; 2])
 }
 
-fn count(kernel: usize) {
+fn count_call(kernel: usize) {
     let mut calls = CALLS.get();
     calls[kernel] += 1;
     CALLS.set(calls);
@@ -30,7 +30,7 @@ extern "C" fn candidates(
     probe: &[Weight; 16],
     margin: i32,
 ) -> u32 {
-    count(0);
+    count_call(0);
     let product = |(w, x): (&Weight32, &Weight)| {
         ((i64::from(w.to_bits()) * i64::from(x.to_bits())) >> 16) as i32
     };
@@ -38,11 +38,11 @@ extern "C" fn candidates(
         (bases[k] >> 1) - code[k].iter().zip(probe).map(product).sum::<i32>()
     });
     let least = *ranks.iter().min().unwrap();
-    let close = (0..16).filter(|k| ranks[*k] <= least.saturating_add(margin));
-    let close: Vec<u32> = close.map(|k| k as u32).collect();
-    match close[..] {
+    let candidates = (0..16).filter(|k| ranks[*k] <= least.saturating_add(margin));
+    let candidates: Vec<u32> = candidates.map(|k| k as u32).collect();
+    match candidates[..] {
         [only] => only,
-        _ => close.iter().map(|k| 1 << (16 + k)).sum(),
+        _ => candidates.iter().map(|k| 1 << (16 + k)).sum(),
     }
 }
 
@@ -52,7 +52,7 @@ extern "C" fn update(
     probe: &[Weight; 16],
     groups: &[Group; 2],
 ) {
-    count(1);
+    count_call(1);
     for group in groups {
         let gain = Gain::from_bits((group.gain_q32 >> 2) as u32);
         for k in (0..16).filter(|k| group.neurons & (1 << k) != 0) {
@@ -68,9 +68,9 @@ extern "C" fn update(
 }
 
 proptest! {
-    /// Neurons a few units apart, or anywhere up to the ends: the same BMUs and updates as without.
+    /// BMUs and updates are the same, for code vectors that differ by a few units or by much.
     #[test]
-    fn kernels_change_nothing(
+    fn kernels_do_not_change_results(
         middle in components(-8_192..=8_192, 16),
         shifts in prop::collection::vec(-8_192_i32..=8_192, 16 * 16),
         spread in prop_oneof![Just(1), Just(200), Just(1 << 17)],
@@ -92,7 +92,7 @@ proptest! {
         map.use_kernels(&PLAIN);
         let update = Update::from_q16(Neighborhood::Direct, rate, share);
         let actions: Som<16, 2> = map_of(SQUARE, &other);
-        // The last probe is a code vector.
+        // The last probe equals a code vector.
         let own = portable.code_vector(3);
         for probe in probes.as_chunks::<16>().0.iter().chain([&own]) {
             let bmu = portable.bmu(probe, mask);
@@ -104,30 +104,30 @@ proptest! {
             map.update(bmu, probe, mask, &update);
             prop_assert_eq!(&map, &portable);
         }
-        // Written from outside, the kernels know it too.
+        // A code vector set from outside updates the kernels' norm.
         portable.set_code_vector(2, &own);
         map.set_code_vector(2, &own);
         prop_assert_eq!(map.bmu(&own, Mask::ALL), portable.bmu(&own, Mask::ALL));
     }
 }
 
-/// Results alone do not tell whether the kernels were asked.
+/// Counts calls: results do not show whether the kernels were used.
 #[test]
-fn kernels_are_asked_for_whole_vectors_of_their_size() {
+fn kernels_are_used_for_whole_vectors_of_their_size() {
     let mut map = Som::<16, 16>::zeroed(SQUARE);
     map.use_kernels(&PLAIN);
     assert!(map.has_kernels() && !Som::<16, 16>::zeroed(SQUARE).has_kernels());
-    let (probe, some) = ([Weight::ONE; 16], Mask::ALL.without(3));
+    let (probe, partial) = ([Weight::ONE; 16], Mask::ALL.without(3));
     let actions = Som::<16, 2>::zeroed(SQUARE);
     let update = |rate| Update::from_q16(Neighborhood::Direct, rate, 0);
-    calls();
-    for (mask, times) in [(Mask::ALL, 1), (some, 0)] {
+    take_calls();
+    for (mask, count) in [(Mask::ALL, 1), (partial, 0)] {
         let _ = map.bmu(&probe, mask);
-        assert_eq!(calls(), [times, 0]);
+        assert_eq!(take_calls(), [count, 0]);
         let _ = map.joint_bmu(&probe, mask, &actions, &[Weight::ONE; 2], 511);
-        assert_eq!(calls(), [times, 0]);
+        assert_eq!(take_calls(), [count, 0]);
         map.update(0, &probe, mask, &update(32_767));
-        assert_eq!(calls(), [0, times]);
+        assert_eq!(take_calls(), [0, count]);
     }
     let _ = map.joint_bmu(&probe, Mask::ALL, &actions, &[Weight::ONE; 2], 512);
     let three = Som::<16, 3>::zeroed(SQUARE);
@@ -139,8 +139,8 @@ fn kernels_are_asked_for_whole_vectors_of_their_size() {
         Mask::ALL,
         &Update::new(Neighborhood::Gaussian, 0.1, 0.5),
     );
-    assert_eq!(calls(), [0; 2]);
-    // As many components in all, but of another shape.
+    assert_eq!(take_calls(), [0; 2]);
+    // The same number of components, but another size.
     let mut other = Som::<32, 8>::zeroed(Grid::chain(32));
     other.use_kernels(&PLAIN);
     assert!(!other.has_kernels());

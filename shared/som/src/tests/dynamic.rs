@@ -1,15 +1,15 @@
-//! The map on the heap against the one in an array.
+//! `DynSom` compared with `Som`.
 
 use super::*;
 use crate::fixed::to_weight16;
 
-fn fine(weights: &[Weight]) -> Vec<Weight32> {
+fn to_weights32(weights: &[Weight]) -> Vec<Weight32> {
     weights.iter().map(|w| w.to_weight32()).collect()
 }
 
 proptest! {
     #[test]
-    fn sizes_at_run_time_give_the_same_map(
+    fn dyn_som_equals_som(
         code in components(-8192..=8192, 12 * 19),
         samples in components(-8192..=8192, 8 * 19),
         gaussian in any::<bool>(),
@@ -18,7 +18,7 @@ proptest! {
     ) {
         let grid = Grid::rectangle(4, 3);
         let mut map: Som<12, 19> = map_of(grid, &code);
-        let mut dynamic = DynSom::new(grid, 19, fine(&code)).unwrap();
+        let mut dynamic = DynSom::new(grid, 19, to_weights32(&code)).unwrap();
         let config = TrainConfig {
             neighborhood: if gaussian { Neighborhood::Gaussian } else { Neighborhood::Direct },
             rate: Schedule::new(0.4, 0.05, Decay::Linear),
@@ -31,10 +31,10 @@ proptest! {
             move |below: usize| generator.next_u32() as usize % below
         };
         let mut rows = samples.as_chunks::<19>().0.to_vec();
-        let mut flat = fine(&samples);
+        let mut flat = to_weights32(&samples);
         map.train(&mut rows, &config, random());
         dynamic.train(&mut flat, &config, random());
-        prop_assert_eq!(&fine(rows.as_flattened()), &flat);
+        prop_assert_eq!(&to_weights32(rows.as_flattened()), &flat);
         prop_assert_eq!(map.code().as_flattened(), dynamic.code_vectors().flatten().copied().collect::<Vec<_>>());
         let (quality, hits) = map.quality(&rows);
         prop_assert_eq!((quality, hits.to_vec()), dynamic.quality(&flat));
@@ -47,7 +47,7 @@ proptest! {
 }
 
 #[test]
-fn sizes_and_values_are_brought_into_range() {
+fn invalid_sizes_and_values_are_clamped_or_rejected() {
     let far = [Weight32::MAX, Weight32::MIN];
     let map = DynSom::new(Grid::chain(3), 2, far.to_vec()).unwrap();
     let rows: Vec<_> = map
@@ -76,16 +76,16 @@ fn sizes_and_values_are_brought_into_range() {
 
 #[cfg(feature = "serde")]
 #[test]
-fn a_map_reads_back_as_either_kind() {
+fn som_and_dyn_som_have_the_same_format() {
     let code = weights([1, -2, 3, 8192, -8192, 6]);
     let map: Som<3, 2> = map_of(Grid::chain(3).with_edges(Edges::Wrapped), &code);
-    let mut room = [0; 64];
-    let bytes = postcard::to_slice(&map, &mut room).unwrap().to_vec();
+    let mut buffer = [0; 64];
+    let bytes = postcard::to_slice(&map, &mut buffer).unwrap().to_vec();
     assert_eq!(postcard::from_bytes::<Som<3, 2>>(&bytes), Ok(map));
     let dynamic: DynSom = postcard::from_bytes(&bytes).unwrap();
     assert_eq!(dynamic.code_vectors().flatten().count(), 6);
-    assert_eq!(postcard::to_slice(&dynamic, &mut room).unwrap(), bytes);
-    // Sizes that do not fit.
+    assert_eq!(postcard::to_slice(&dynamic, &mut buffer).unwrap(), bytes);
+    // Sizes that do not match.
     assert!(postcard::from_bytes::<Som<2, 3>>(&bytes).is_err());
     assert!(postcard::from_bytes::<Som<2, 2>>(&bytes).is_err());
     assert!(postcard::from_bytes::<Som<4, 2>>(&bytes).is_err());

@@ -24,14 +24,14 @@ fn run(axes: &mut Axes, seconds: f64, world: &World) -> Point {
 }
 
 #[test]
-fn a_velocity_is_reached_by_the_acceleration_and_held() {
+fn a_velocity_is_reached_with_the_acceleration_and_held() {
     let (mut axes, world, mut noise) = (axes(), wall(90.0), Noise::new(1));
     axes.run(Axis::Translation, 0.4, &mut noise);
     run(&mut axes, 0.25, &world);
     assert!((axes.rate(Axis::Translation) - 0.25 * 0.762).abs() < 1e-9);
     run(&mut axes, 1.0, &world);
     assert!((axes.rate(Axis::Translation) - 0.4).abs() < 1e-9);
-    // Faster than it can is as fast as it can.
+    // Velocities above the limit are clamped.
     axes.run(Axis::Translation, 9.0, &mut noise);
     run(&mut axes, 2.0, &world);
     assert!((axes.rate(Axis::Translation) - 0.508).abs() < 1e-9);
@@ -42,8 +42,7 @@ fn a_velocity_is_reached_by_the_acceleration_and_held() {
     assert!(!axes.is_active(Axis::Translation));
 }
 
-/// At v and ω together the wheels describe a circle of radius v/ω, and come back to where they
-/// were.
+/// At velocity v and turn rate ω the base drives a circle of radius v/ω back to its start.
 #[test]
 fn rolling_and_steering_together_is_a_circle() {
     let (mut axes, world, mut noise) = (axes(), wall(90.0), Noise::new(1));
@@ -60,12 +59,12 @@ fn rolling_and_steering_together_is_a_circle() {
     assert!((axes.at(Axis::Steering) - steering - TAU).abs() < 1e-3);
     assert!(axes.pose().position.distance(from.position) < 1e-3);
     assert!((far - 2.0 * 0.2 / 0.5).abs() < 1e-3, "{far}");
-    // The turret has kept its bearing.
+    // The turret keeps its bearing.
     assert_eq!(axes.pose().heading, 0.0);
 }
 
 #[test]
-fn the_three_axes_move_together_and_end_where_they_were_sent() {
+fn all_axes_move_simultaneously_to_their_goals() {
     let (mut axes, world, mut noise) = (axes(), wall(90.0), Noise::new(1));
     axes.go_to(Axis::Translation, 0.5, &mut noise);
     axes.go_to(Axis::Steering, FRAC_PI_2, &mut noise);
@@ -76,20 +75,20 @@ fn the_three_axes_move_together_and_end_where_they_were_sent() {
         assert!(!axes.is_active(axis));
     }
     assert!((axes.pose().heading + 1.0).abs() < 1e-8);
-    // Without slip the count is the truth.
+    // Without slip odometry equals the true displacement.
     assert!(counted.distance(axes.pose().position) < 1e-9);
     assert!(counted.x > 0.1 && counted.y > 0.1);
 }
 
 #[test]
-fn a_wall_stops_the_wheels_and_presses_a_switch_until_they_roll_away() {
+fn a_wall_stops_the_wheels_and_presses_a_switch_until_the_base_rolls_away() {
     let (mut axes, world, mut noise) = (axes(), wall(0.5), Noise::new(1));
     axes.go_to(Axis::Translation, 1.0, &mut noise);
     run(&mut axes, 3.0, &world);
     assert!((axes.at(Axis::Translation) - (0.5 - 0.269)).abs() < 1e-6);
     assert!(!axes.is_active(Axis::Translation));
     assert_eq!(axes.bumpers(), 1);
-    // Steering alone leaves it pressed.
+    // Steering does not release the switch.
     axes.go_to(Axis::Steering, PI / 2.0, &mut noise);
     run(&mut axes, 3.0, &world);
     assert_eq!(axes.bumpers(), 1);
@@ -109,7 +108,7 @@ fn speeds_and_accelerations_stay_within_the_limits() {
     assert_eq!(axes.set(Axis::Steering), limits);
     axes.set_acceleration(Axis::Steering, 0.0);
     assert_eq!(axes.set(Axis::Steering), limits);
-    // A move at no speed is none.
+    // A move at speed 0 does nothing.
     axes.set_speed(Axis::Steering, 0.0);
     axes.go_to(Axis::Steering, 1.0, &mut noise);
     assert!(!axes.is_active(Axis::Steering));
@@ -122,11 +121,11 @@ fn slip_is_drawn_when_the_wheels_begin_to_roll() {
     let (world, mut noise) = (wall(90.0), Noise::new(3));
     let mut axes = Axes::new(Pose::default(), &BaseLimits::default());
     axes.run(Axis::Translation, 0.3, &mut noise);
-    let after_one = noise.clone();
+    let after_first = noise.clone();
     run(&mut axes, 1.0, &world);
-    // Said again while it rolls, nothing is drawn.
+    // Repeating the command while the base rolls draws nothing.
     axes.run(Axis::Translation, 0.3, &mut noise);
-    assert_eq!(noise, after_one);
+    assert_eq!(noise, after_first);
     let counted = run(&mut axes, 1.0, &world);
     assert!(counted.y == 0.0 && axes.pose().position.y != 0.0);
 }

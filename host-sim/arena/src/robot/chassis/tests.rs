@@ -1,18 +1,18 @@
-//! What the chassis leaves out is never wanted: against the reference model.
+//! Tests that skipped queries find no contact and no gap to report, by the reference model.
 
 use super::*;
 use crate::reference::Reference;
-use crate::reference::worlds::worlds;
+use crate::reference::worlds::test_world;
 
-/// Calls `step` with short strides from place to place on random walks, in worlds of every kind.
-fn walk(mut step: impl FnMut(&mut Chassis, &World, Sweep, Point)) {
+/// Calls `step` for short steps of random walks in all kinds of worlds.
+fn random_walks(mut step: impl FnMut(&mut Chassis, &World, Sweep, Point)) {
     let mut chassis = Chassis::new(Pose::default());
     for seed in 0..16 {
-        let (world, places) = worlds(seed);
-        let (reference, mut noise) = (Reference::of(&world), Noise::new(seed));
+        let (world, places) = test_world(seed);
+        let (reference, mut noise) = (Reference::new(&world), Noise::new(seed));
         for place in places {
             let (mut at, mut angle) = (place, noise.uniform_in(0.0, TAU));
-            chassis.tell_gaps_below(noise.uniform_in(0.0, 0.2));
+            chassis.limit_reported_gaps(noise.uniform_in(0.0, 0.2));
             for _ in 0..100 {
                 angle += noise.uniform_in(-0.3, 0.3);
                 let to = at + Point::unit(angle) * 0.02;
@@ -26,17 +26,17 @@ fn walk(mut step: impl FnMut(&mut Chassis, &World, Sweep, Point)) {
 }
 
 #[test]
-fn what_passes_freely_touches_nothing_and_has_no_wanted_gap() {
+fn free_moves_have_no_contact_and_no_gap_to_report() {
     let (mut free, mut all) = (0, 0);
-    walk(|chassis, world, expected, to| {
+    random_walks(|chassis, world, expected, to| {
         all += 1;
         let from = chassis.position;
         if chassis.passes_freely(world, [from, to]) {
             free += 1;
             assert_eq!(expected.contact, None, "{from:?}");
-            assert!(expected.min_clearance_m > chassis.gaps_below_m.unwrap_or(0.0));
+            assert!(expected.min_clearance_m > chassis.max_reported_gap_m.unwrap_or(0.0));
         }
-        // As on the way: some strides are swept, some are not.
+        // As in a drive, some steps are swept.
         if all % 3 == 0 {
             assert_eq!(chassis.sweep(to - from, world), {
                 let to = from + (to - from);
@@ -48,7 +48,7 @@ fn what_passes_freely_touches_nothing_and_has_no_wanted_gap() {
 }
 
 #[test]
-fn another_world_is_looked_at_anew() {
+fn a_new_world_discards_the_free_disc() {
     let wall = |x: f64| {
         let points = vec![Point::new(x, -1.0), Point::new(x, 1.0)];
         let shapes = vec![crate::world::Shape::Wall { points }];
@@ -56,7 +56,7 @@ fn another_world_is_looked_at_anew() {
     };
     let (far, near) = (wall(3.0), wall(0.5));
     let mut chassis = Chassis::new(Pose::default());
-    chassis.tell_gaps_below(0.3);
+    chassis.limit_reported_gaps(0.3);
     let here = [Point::default(); 2];
     assert!(chassis.passes_freely(&far, here));
     assert!(!chassis.passes_freely(&near, here));

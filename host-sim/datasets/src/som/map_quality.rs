@@ -1,23 +1,23 @@
-//! How good a trained map is, in floating-point numbers for reports and pictures.
+//! Quality of a trained map, in floating-point numbers for reports and pictures.
 
 use tinysom::fixed::ONE_BITS;
 use tinysom::{DynSom, Weight32};
 
-/// How well a map fits a set of samples.
+/// Quality of a map on a set of samples.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Measures {
+pub struct MapQuality {
     /// Mean distance of a sample to its best-matching unit, in units of a weight's 1.0.
     pub quantization_error: f64,
     /// Share of the samples whose two best neurons are not direct neighbors, 0 to 1.
     pub topographic_error: f64,
-    /// How many samples each neuron wins.
+    /// By neuron: number of samples that it wins.
     pub hits: Vec<usize>,
 }
 
-impl Measures {
-    /// Measures a map with samples that stand one after another.
+impl MapQuality {
+    /// Measures a map on concatenated samples.
     #[must_use]
-    pub fn of(map: &DynSom, samples: &[Weight32]) -> Self {
+    pub fn measure(map: &DynSom, samples: &[Weight32]) -> Self {
         let (quality, hits) = map.quality(samples);
         Self {
             quantization_error: quality.quantization_error(),
