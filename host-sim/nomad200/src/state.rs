@@ -305,7 +305,7 @@ impl NomadState {
 }
 
 /// Whether the answer ends with the time of the sensor board.
-fn has_time(group: ReadingGroup) -> bool {
+pub(super) fn has_time(group: ReadingGroup) -> bool {
     !matches!(
         group,
         ReadingGroup::Pose | ReadingGroup::Velocity | ReadingGroup::Acceleration

@@ -16,12 +16,12 @@ const TURN_SPEED: u16 = 450;
 /// A goal within this angle of the wheels needs no steering, rad.
 const SAME_DIRECTION_RAD: f64 = PI / 180.0;
 
-/// After this time by the robot's clock a motor that was not seen running has already arrived, ms.
+/// A motor that never reported running within this time by the robot's clock has arrived, ms.
 const SETTLE_TIME_MS: u32 = 200;
 
 /// Stage of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-enum Leg {
+enum MotionStage {
     #[default]
     Standing,
     /// Braking; then to the goal, if there is one.
@@ -33,13 +33,12 @@ enum Leg {
 /// The current motion.
 #[derive(Debug, Default)]
 pub(super) struct MotionControl {
-    leg: Leg,
+    stage: MotionStage,
     /// Number of the latest motion.
     id: Option<u16>,
-    /// The robot's time of the latest motor command, and whether the motors have been seen running
-    /// since.
+    /// The robot's time of the latest motor command, and whether the motors have run since.
     sent_ms: u32,
-    seen_running: bool,
+    has_run: bool,
     speed: u16,
     touched: bool,
 }
@@ -54,11 +53,11 @@ impl MotionControl {
     /// more than the controller allows for a motion without displacement.
     pub(super) fn is_steering(&self, state: &NomadState) -> bool {
         let [rolling, turning, _] = state.velocity;
-        match self.leg {
-            Leg::Steering(_) | Leg::Braking(Some(_)) => true,
-            Leg::Rolling(_) => !self.seen_running,
-            Leg::Braking(None) => rolling != 0 || turning != 0,
-            Leg::Standing => false,
+        match self.stage {
+            MotionStage::Steering(_) | MotionStage::Braking(Some(_)) => true,
+            MotionStage::Rolling(_) => !self.has_run,
+            MotionStage::Braking(None) => rolling != 0 || turning != 0,
+            MotionStage::Standing => false,
         }
     }
 
@@ -71,26 +70,31 @@ impl MotionControl {
         motion: &Motion,
     ) -> Result<(), RobotError> {
         // A motion that was cut off does not restart when the controller shortens it.
-        if self.id == Some(motion.id) && matches!(self.leg, Leg::Standing | Leg::Braking(None)) {
+        if self.id == Some(motion.id)
+            && matches!(
+                self.stage,
+                MotionStage::Standing | MotionStage::Braking(None)
+            )
+        {
             return Ok(());
         }
         self.id = Some(motion.id);
-        self.touched &= self.leg != Leg::Standing;
+        self.touched &= self.stage != MotionStage::Standing;
         if motion.displacement == Displacement::ZERO || motion.speed_mm_s == 0 {
             return self.brake(host, state, None);
         }
         self.set_speed(host, motion.speed_mm_s)?;
-        match self.leg {
-            Leg::Standing => self.steer(host, state, goal),
-            Leg::Steering(_) => {
-                self.leg = Leg::Steering(goal);
+        match self.stage {
+            MotionStage::Standing => self.steer(host, state, goal),
+            MotionStage::Steering(_) => {
+                self.stage = MotionStage::Steering(goal);
                 Ok(())
             }
-            Leg::Braking(_) => {
-                self.leg = Leg::Braking(Some(goal));
+            MotionStage::Braking(_) => {
+                self.stage = MotionStage::Braking(Some(goal));
                 Ok(())
             }
-            Leg::Rolling(_) => self.change_goal(host, state, goal),
+            MotionStage::Rolling(_) => self.change_goal(host, state, goal),
         }
     }
 
@@ -101,22 +105,26 @@ impl MotionControl {
         state: &NomadState,
     ) -> Result<Ended, RobotError> {
         let running = state.motors & 0b11 != 0 || state.velocity[0] != 0 || state.velocity[1] != 0;
-        self.seen_running |= running;
+        self.has_run |= running;
         let waited_ms = state.time_ms.wrapping_sub(self.sent_ms);
-        if self.leg == Leg::Standing
+        if self.stage == MotionStage::Standing
             || running
-            || !(self.seen_running || waited_ms >= SETTLE_TIME_MS)
+            || !(self.has_run || waited_ms >= SETTLE_TIME_MS)
         {
             return Ok(None);
         }
-        match self.leg {
+        match self.stage {
             // Wheels that were stopped while steering are turned again.
-            Leg::Braking(Some(goal)) | Leg::Steering(goal) => self.steer(host, state, goal)?,
-            Leg::Braking(None) | Leg::Rolling(_) | Leg::Standing => self.leg = Leg::Standing,
+            MotionStage::Braking(Some(goal)) | MotionStage::Steering(goal) => {
+                self.steer(host, state, goal)?
+            }
+            MotionStage::Braking(None) | MotionStage::Rolling(_) | MotionStage::Standing => {
+                self.stage = MotionStage::Standing
+            }
         }
-        let ended = match (self.leg, self.touched) {
-            (Leg::Standing, true) => Some(Progress::Touched),
-            (Leg::Standing, false) => Some(Progress::Ended),
+        let ended = match (self.stage, self.touched) {
+            (MotionStage::Standing, true) => Some(Progress::Touched),
+            (MotionStage::Standing, false) => Some(Progress::Ended),
             _ => None,
         };
         self.touched &= ended.is_none();
@@ -125,21 +133,24 @@ impl MotionControl {
 
     /// A bumper was pressed.
     pub(super) fn touched(&mut self, host: &mut Host) -> Result<(), RobotError> {
-        if self.leg == Leg::Standing {
+        if self.stage == MotionStage::Standing {
             return Ok(());
         }
         self.touched = true;
-        self.leg = Leg::Braking(None);
+        self.stage = MotionStage::Braking(None);
         host.request(&NomadCommand::Stop)?;
         Ok(())
     }
 
     /// The controller was silent for too long. Returns whether this stopped a motion.
     pub(super) fn expire(&mut self, host: &mut Host) -> Result<bool, RobotError> {
-        if matches!(self.leg, Leg::Standing | Leg::Braking(None)) {
+        if matches!(
+            self.stage,
+            MotionStage::Standing | MotionStage::Braking(None)
+        ) {
             return Ok(false);
         }
-        self.leg = Leg::Braking(None);
+        self.stage = MotionStage::Braking(None);
         host.request(&NomadCommand::Stop)?;
         Ok(true)
     }
@@ -150,7 +161,7 @@ impl MotionControl {
         state: &NomadState,
         then: Option<Point>,
     ) -> Result<(), RobotError> {
-        self.leg = Leg::Braking(then);
+        self.stage = MotionStage::Braking(then);
         self.send(host, state, &NomadCommand::Stop)
     }
 
@@ -162,8 +173,8 @@ impl MotionControl {
         state: &NomadState,
         goal: Point,
     ) -> Result<(), RobotError> {
-        let way = goal - position(&state.pose);
-        let mut turn = wrap_angle(way.angle() - steering(state));
+        let direction = (goal - position(&state.pose)).angle();
+        let mut turn = wrap_angle(direction - steering(state));
         if turn.abs() > FRAC_PI_2 {
             turn -= if turn > 0.0 { PI } else { -PI };
         }
@@ -172,7 +183,7 @@ impl MotionControl {
         }
         // Within ±900.
         let units = whole(turn, RAD_PER_TENTH_DEGREE) as i16;
-        self.leg = Leg::Steering(goal);
+        self.stage = MotionStage::Steering(goal);
         self.send(host, state, &NomadCommand::Relative([0, units, 0]))
     }
 
@@ -184,7 +195,7 @@ impl MotionControl {
         if units == 0 {
             return self.brake(host, state, None);
         }
-        self.leg = Leg::Rolling(goal);
+        self.stage = MotionStage::Rolling(goal);
         self.send(host, state, &NomadCommand::Relative([units, 0, 0]))
     }
 
@@ -196,11 +207,11 @@ impl MotionControl {
         state: &NomadState,
         goal: Point,
     ) -> Result<(), RobotError> {
-        let way = (goal - position(&state.pose)).turned_back(Point::unit(steering(state)));
+        let to_goal = (goal - position(&state.pose)).turned_back(Point::unit(steering(state)));
         let speed = f64::from(state.velocity[0]) * M_PER_TENTH_INCH;
-        let ahead = way.x * if speed < 0.0 { -1.0 } else { 1.0 };
+        let ahead = to_goal.x * if speed < 0.0 { -1.0 } else { 1.0 };
         let stopping = speed * speed / (2.0 * BaseLimits::default().acceleration_m_s2);
-        let aside = way.y.abs() > ahead.abs() * SAME_DIRECTION_RAD + M_PER_TENTH_INCH;
+        let aside = to_goal.y.abs() > ahead.abs() * SAME_DIRECTION_RAD + M_PER_TENTH_INCH;
         if speed == 0.0 || aside {
             self.brake(host, state, Some(goal))
         } else if ahead <= stopping {
@@ -218,7 +229,7 @@ impl MotionControl {
         command: &NomadCommand,
     ) -> Result<(), RobotError> {
         // A stopped motor has already ended; a commanded motion may not have begun.
-        (self.sent_ms, self.seen_running) = (state.time_ms, *command == NomadCommand::Stop);
+        (self.sent_ms, self.has_run) = (state.time_ms, *command == NomadCommand::Stop);
         host.request(command).map(drop)
     }
 

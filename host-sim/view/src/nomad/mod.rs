@@ -160,7 +160,7 @@ impl WatchedNomad {
             open.touched = true;
         }
         if self.activity == NomadActivity::Seek {
-            self.distance_m += turn.way_m;
+            self.distance_m += turn.distance_m;
         }
         self.record_echoes();
         let mut whole = false;
