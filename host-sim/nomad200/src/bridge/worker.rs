@@ -7,7 +7,7 @@ use amp::units::Millis;
 use arena::world::Point;
 use remote::log::LoggedController;
 use sim::error::EpisodeError;
-use sim::pilot::{HeardEcho, Pilot, SimState};
+use sim::pilot::{AgedEcho, Pilot, SimState};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -215,7 +215,7 @@ impl WorkerResult {
             return;
         };
         let echo = |event: &TimedEvent| match event.event {
-            Event::Echo { sensor, range } => Some(HeardEcho {
+            Event::Echo { sensor, range } => Some(AgedEcho {
                 sensor,
                 range,
                 age_ms: last.at.since(event.at) + event.age_ms,
@@ -273,7 +273,7 @@ mod tests {
             Outputs::NONE
         }
 
-        fn echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> (usize, Outputs<16>) {
+        fn echoes(&mut self, at: Millis, echoes: &[AgedEcho]) -> (usize, Outputs<16>) {
             let sensors = echoes.iter().map(|echo| (echo.sensor, echo.age_ms));
             let sensors: Vec<_> = sensors.collect();
             let moves = echoes.iter().any(|echo| echo.sensor == self.moves_at);

@@ -33,7 +33,7 @@ pub struct Knowledge {
     config: Config<16>,
     state: Box<SimState>,
     goal: Goal<16>,
-    kept: NamedGoals<16>,
+    named_goals: NamedGoals<16>,
 }
 
 impl Knowledge {
@@ -46,7 +46,7 @@ impl Knowledge {
     fn new(config: Config<16>, state: SimState) -> Self {
         Self {
             goal: Goal::avoiding(&config),
-            kept: NamedGoals::new(),
+            named_goals: NamedGoals::new(),
             state: Box::new(state),
             config,
         }
@@ -66,8 +66,8 @@ impl Knowledge {
             if name == Name::NONE {
                 knowledge.goal = goal;
             } else {
-                let kept = knowledge.kept.save(NamedGoal { name, goal });
-                kept.map_err(|_| LinkError::Mismatch { what: "goals" })?;
+                let saved = knowledge.named_goals.save(NamedGoal { name, goal });
+                saved.map_err(|_| LinkError::Mismatch { what: "goals" })?;
             }
         }
         Ok(knowledge)
@@ -114,7 +114,7 @@ impl Knowledge {
             }
         }
         session.write_part(Part::Config, &Self::encode_config(&self.config)?)?;
-        for NamedGoal { name, goal } in self.kept.as_slice() {
+        for NamedGoal { name, goal } in self.named_goals.as_slice() {
             let goal = Order::Goal(GoalBy::Components(*goal));
             session.command(session.elapsed_ms(), goal)?;
             session.query(&ToMind::Keep { name: *name })?;
@@ -194,7 +194,7 @@ impl Knowledge {
             config: &self.config,
             state: &self.state,
             goal: &self.goal,
-            kept: &self.kept,
+            kept: &self.named_goals,
         };
         let mut file = Vec::new();
         let Ok(()) = contents.write(GENERATION, &mut |bytes| {
@@ -218,7 +218,7 @@ impl Knowledge {
             config: &mut knowledge.config,
             state: &mut knowledge.state,
             goal: &mut knowledge.goal,
-            kept: &mut knowledge.kept,
+            kept: &mut knowledge.named_goals,
         };
         let mut read = |at: usize, out: &mut [u8]| {
             let bytes = file.get(at..at + out.len());
