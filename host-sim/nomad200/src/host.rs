@@ -1,8 +1,8 @@
 //! The host's end of the robot's line: sends commands and waits for answers.
 
 use super::{
-    CommandError, Decoder, Greeting, Kind, LengthError, MAX_FROM_ROBOT, NomadCommand, NomadState,
-    Packet, StateMask,
+    CommandError, Decoder, Greeting, Kind, LengthError, MAX_FROM_ROBOT, NomadCommand,
+    NomadReadings, Packet, StateMask,
 };
 use remote::link::{Deadline, Transport};
 use std::collections::VecDeque;
@@ -64,7 +64,7 @@ pub struct Host {
     deadline: Deadline,
     packets: VecDeque<Packet>,
     mask: StateMask,
-    state: NomadState,
+    state: NomadReadings,
 }
 
 impl Host {
@@ -77,7 +77,7 @@ impl Host {
             deadline: Deadline::default(),
             packets: VecDeque::new(),
             mask: StateMask::ALL,
-            state: NomadState::default(),
+            state: NomadReadings::default(),
         }
     }
 
@@ -110,7 +110,7 @@ impl Host {
 
     /// The latest readings.
     #[must_use]
-    pub fn state(&self) -> &NomadState {
+    pub fn state(&self) -> &NomadReadings {
         &self.state
     }
 
@@ -123,7 +123,7 @@ impl Host {
     ///
     /// # Errors
     /// [`RobotError`].
-    pub fn request(&mut self, command: &NomadCommand) -> Result<&NomadState, RobotError> {
+    pub fn request(&mut self, command: &NomadCommand) -> Result<&NomadReadings, RobotError> {
         self.request_within(command, ANSWER_TIMEOUT)
     }
 
@@ -135,7 +135,7 @@ impl Host {
         &mut self,
         command: &NomadCommand,
         timeout: Duration,
-    ) -> Result<&NomadState, RobotError> {
+    ) -> Result<&NomadReadings, RobotError> {
         if let NomadCommand::Communicate(mask) = command {
             self.mask = *mask;
         }

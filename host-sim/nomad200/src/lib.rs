@@ -37,4 +37,4 @@ pub use packet::{Decoder, MAX_FROM_ROBOT, MAX_TO_ROBOT, Packet};
 pub use pty::PseudoTerminal;
 pub use server::{Server, SimClock};
 pub use simulated::{GroundTruth, SimulatedNomad};
-pub use state::{MAX_LASER_POINTS, NomadState, PosData};
+pub use state::{MAX_LASER_POINTS, NomadReadings, PosData};

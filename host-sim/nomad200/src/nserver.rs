@@ -7,7 +7,7 @@
 
 use super::state::has_time;
 use super::{
-    AxisMode, Kind, NomadCommand, NomadState, PosData, ReadingGroup, StateMask, WITH_BUMPER,
+    AxisMode, Kind, NomadCommand, NomadReadings, PosData, ReadingGroup, StateMask, WITH_BUMPER,
     WITH_COMPASS, WITH_INFRARED, WITH_LASER, WITH_SONAR,
 };
 
@@ -231,7 +231,7 @@ fn mask(bytes: [u8; 7]) -> StateMask {
 /// Answer to a command that the robot answered with a packet of `kind` (or NAK). `speed` is the
 /// factor of simulated to real time.
 #[must_use]
-pub fn answer(kind: u8, state: &NomadState, mask: &StateMask, speed: u32) -> ServerMessage {
+pub fn answer(kind: u8, state: &NomadReadings, mask: &StateMask, speed: u32) -> ServerMessage {
     match Kind::from_byte(kind) {
         Some(Kind::Nak) | None => ServerMessage {
             kind: ERROR,
@@ -246,7 +246,11 @@ pub fn answer(kind: u8, state: &NomadState, mask: &StateMask, speed: u32) -> Ser
 
 /// Answer to a request that is no command, if it has one.
 #[must_use]
-pub fn answer_request(request: &Request, state: &NomadState, port: u16) -> Option<ServerMessage> {
+pub fn answer_request(
+    request: &Request,
+    state: &NomadReadings,
+    port: u16,
+) -> Option<ServerMessage> {
     let (kind, numbers) = match request {
         Request::Connect => (REPLY, vec![i32::from(port)]),
         Request::Where => (CONFIGURATION, state.pose.to_vec()),
@@ -257,7 +261,7 @@ pub fn answer_request(request: &Request, state: &NomadState, port: u16) -> Optio
     Some(ServerMessage { kind, numbers })
 }
 
-fn state_message(state: &NomadState, mask: &StateMask, speed: u32) -> ServerMessage {
+fn state_message(state: &NomadReadings, mask: &StateMask, speed: u32) -> ServerMessage {
     // 10 = real time; at most 10 000.
     let mut numbers = vec![(speed * 10) as i32];
     numbers.extend(state.infrared.map(i32::from));
@@ -281,7 +285,7 @@ fn state_message(state: &NomadState, mask: &StateMask, speed: u32) -> ServerMess
     }
 }
 
-fn group_message(group: ReadingGroup, state: &NomadState, mask: &StateMask) -> ServerMessage {
+fn group_message(group: ReadingGroup, state: &NomadReadings, mask: &StateMask) -> ServerMessage {
     let mut numbers = group_readings(group, state);
     attach_group(&mut numbers, group, state, mask);
     if has_time(group) {
@@ -306,7 +310,7 @@ fn group_kind(group: ReadingGroup) -> u16 {
     }
 }
 
-fn group_readings(group: ReadingGroup, state: &NomadState) -> Vec<i32> {
+fn group_readings(group: ReadingGroup, state: &NomadReadings) -> Vec<i32> {
     match group {
         ReadingGroup::Infrared => state.infrared.map(i32::from).to_vec(),
         ReadingGroup::Sonar => state.sonar.map(i32::from).to_vec(),
@@ -321,7 +325,7 @@ fn group_readings(group: ReadingGroup, state: &NomadState) -> Vec<i32> {
 }
 
 /// Appends the position data of a group, if the mask selects them.
-fn attach_group(out: &mut Vec<i32>, group: ReadingGroup, state: &NomadState, mask: &StateMask) {
+fn attach_group(out: &mut Vec<i32>, group: ReadingGroup, state: &NomadReadings, mask: &StateMask) {
     let (attached, places): (u8, &[PosData]) = match group {
         ReadingGroup::Infrared => (WITH_INFRARED, &state.infrared_at),
         ReadingGroup::Sonar => (WITH_SONAR, &state.sonar_at),

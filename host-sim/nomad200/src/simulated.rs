@@ -7,7 +7,7 @@
 use super::dead_reckoning::DeadReckoning;
 use super::firing::FiringSchedule;
 use super::units::{PER_UNIT, whole};
-use super::{Kind, NomadState, Packet, PosData, StateMask};
+use super::{Kind, NomadReadings, Packet, PosData, StateMask};
 use arena::noise::Noise;
 use arena::robot::{Axes, Axis, BaseLimits};
 use arena::sonar::{
@@ -74,7 +74,7 @@ pub struct SimulatedNomad {
     ground_truth: GroundTruth,
     /// Distance after which the wheels are blocked, m.
     blocked_after_m: f64,
-    state: NomadState,
+    state: NomadReadings,
 }
 
 impl SimulatedNomad {
@@ -141,7 +141,7 @@ impl SimulatedNomad {
 
     /// The current readings.
     #[must_use]
-    pub fn state(&self) -> &NomadState {
+    pub fn state(&self) -> &NomadReadings {
         &self.state
     }
 
@@ -311,13 +311,13 @@ fn infrared_ring(noise: &mut Noise) -> Ring {
 }
 
 /// The readings before the first echo.
-fn initial_state() -> NomadState {
-    NomadState {
+fn initial_state() -> NomadReadings {
+    NomadReadings {
         infrared: [MAX_INFRARED_IN; 16],
         sonar: [MAX_READING_IN; 16],
         cpu_voltage: VOLTAGE,
         motor_voltage: VOLTAGE,
-        ..NomadState::default()
+        ..NomadReadings::default()
     }
 }
 

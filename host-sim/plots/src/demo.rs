@@ -50,10 +50,10 @@ pub fn write(
     Ok(written)
 }
 
-type Picture = (&'static str, &'static str, &'static [&'static str], String);
+type DemoPicture = (&'static str, &'static str, &'static [&'static str], String);
 
 /// Name, title, caption and document of each picture, in the recommended order.
-pub fn pictures(recording: &Recording) -> [Picture; 4] {
+pub fn pictures(recording: &Recording) -> [DemoPicture; 4] {
     let plan = recording
         .seeking
         .iter()

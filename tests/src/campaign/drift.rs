@@ -4,7 +4,7 @@
 //! which must match hour 1. Each hour: distance, area, decisions, contacts, bounds of the state.
 
 use super::clock::Shifted;
-use super::{CampaignVerdict, Progress, grouped};
+use super::{CampaignVerdict, ProgressCallback, grouped};
 use amp::config::Config;
 use amp::controller::{Command, Event, Mode};
 use amp::fixed::Weight;
@@ -58,7 +58,7 @@ pub fn run(
     count: u64,
     hours: u32,
     sonar: SonarModel,
-    progress: Progress<'_>,
+    progress: ProgressCallback<'_>,
 ) -> Result<CampaignVerdict, EpisodeError> {
     let one = |number| day(seed.wrapping_add(number), hours, sonar, progress);
     let days: Result<Vec<_>, _> = (0..count).into_par_iter().map(one).collect();
@@ -69,7 +69,7 @@ fn day(
     seed: u64,
     hours: u32,
     sonar: SonarModel,
-    progress: Progress<'_>,
+    progress: ProgressCallback<'_>,
 ) -> Result<Day, EpisodeError> {
     let world = World::random(seed);
     let setup = Setup {

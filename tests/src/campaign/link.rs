@@ -6,7 +6,7 @@
 
 use super::bench::{Clocks, Ready, SESSION, coded, command, numbered, scan};
 use super::channel::{Arrival, FaultRates, LossyChannel};
-use super::{CampaignVerdict, Progress, below, generator, grouped, parts};
+use super::{CampaignVerdict, ProgressCallback, below, generator, grouped, parts};
 use amp::controller::{Mode, Progress as Way, StopReason};
 use amp::link::{FrameVerdict as Judged, Link};
 use amp::node::FrameSink;
@@ -108,7 +108,7 @@ impl Bookkeeper {
 
 /// Sends `count` frames to controllers.
 #[must_use]
-pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
+pub fn run(seed: u64, count: u64, progress: ProgressCallback<'_>) -> CampaignVerdict {
     let one = |(part, size)| {
         let book = LinkRun::new(seed, part, size).run();
         progress(size);
@@ -219,7 +219,7 @@ impl LinkRun {
         }
         if now_ms.is_multiple_of(TICK_MS) {
             let now = CLOCKS.device(now_ms);
-            let mut said = SentFrames::new(now_ms, &mut self.to_base, &mut self.base);
+            let mut said = RecordingSink::new(now_ms, &mut self.to_base, &mut self.base);
             while self.mind.node.tick(now, &mut said) {}
         }
         while let Some(come) = self.to_base.next_arrival(now_ms) {
@@ -274,7 +274,7 @@ impl LinkRun {
             self.book.replayed[1] += 1;
         }
         let before = (!may_act).then(|| self.mind.node.state().clone());
-        let mut said = SentFrames::new(come.at_ms, &mut self.to_base, &mut self.base);
+        let mut said = RecordingSink::new(come.at_ms, &mut self.to_base, &mut self.base);
         let now = CLOCKS.device(come.at_ms);
         self.mind.node.frame(now, coded(&come.bytes), &mut said);
         let changed = before.is_some_and(|before| before != *self.mind.node.state());
@@ -290,19 +290,19 @@ fn count(came: &[[bool; 2]], is: impl Fn([bool; 2]) -> bool) -> u64 {
 }
 
 /// Sends the controller's frames over the line and records them.
-struct SentFrames<'a> {
+struct RecordingSink<'a> {
     now_ms: u64,
     line: &'a mut LossyChannel,
     base: &'a mut LinkBase,
 }
 
-impl<'a> SentFrames<'a> {
+impl<'a> RecordingSink<'a> {
     fn new(now_ms: u64, line: &'a mut LossyChannel, base: &'a mut LinkBase) -> Self {
         Self { now_ms, line, base }
     }
 }
 
-impl FrameSink for SentFrames<'_> {
+impl FrameSink for RecordingSink<'_> {
     fn send(&mut self, frame: &[u8]) -> bool {
         self.line.send(self.now_ms, frame);
         self.base.is_on_its_way(frame);

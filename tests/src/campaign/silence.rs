@@ -7,7 +7,7 @@
 use super::bench::{Clocks, Ready, SESSION, hello, scan};
 use super::bridged;
 use super::wheels::Wheels;
-use super::{CampaignVerdict, Progress, below, generator, grouped, parts};
+use super::{CampaignVerdict, ProgressCallback, below, generator, grouped, parts};
 use crate::chip::packed;
 use amp::wire::Receiver;
 use amp::wire::frame::{Header, unpack};
@@ -107,7 +107,7 @@ struct SilenceStop {
 /// # Panics
 /// When a trained controller does not move its base.
 #[must_use]
-pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
+pub fn run(seed: u64, count: u64, progress: ProgressCallback<'_>) -> CampaignVerdict {
     let mut verdict = CampaignVerdict::default();
     verdict.say(format_args!(
         "{} failures each while the base moves; time from the failure to the stop command or the end of its motion, ms; time until its wheels stand, ms; distance until then, mm\n",

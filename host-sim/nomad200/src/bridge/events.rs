@@ -1,7 +1,7 @@
 //! Converts the robot's state packets into events of the controller.
 
 use crate::units::{M_PER_TENTH_INCH, TENTH_DEGREES_PER_TURN};
-use crate::{NomadState, PosData};
+use crate::{NomadReadings, PosData};
 use amp::controller::{Event, Progress};
 use amp::units::{Bearing, Displacement, Millis, Range};
 use arena::sonar::{M_PER_INCH, MAX_READING_IN};
@@ -49,7 +49,7 @@ pub(super) struct EventQueue {
 
 impl EventQueue {
     /// Starts from this state.
-    pub(super) fn begin(&mut self, state: &NomadState) {
+    pub(super) fn begin(&mut self, state: &NomadReadings) {
         self.board_ms = state.time_ms;
         self.reported = position(&state.pose);
         self.bearing = bearing(state.pose[3]);
@@ -86,7 +86,7 @@ impl EventQueue {
     /// just moves.
     pub(super) fn add_state(
         &mut self,
-        state: &NomadState,
+        state: &NomadReadings,
         motion: Option<u16>,
         progress: Option<Progress>,
     ) {
@@ -121,7 +121,7 @@ impl EventQueue {
     /// later.
     fn add_echo(
         &mut self,
-        state: &NomadState,
+        state: &NomadReadings,
         sensor: usize,
         elapsed_ms: u32,
         motion: Option<u16>,
@@ -150,7 +150,7 @@ impl EventQueue {
     }
 
     /// Sonars with a new echo, in the order of firing.
-    fn new_echoes(&self, state: &NomadState) -> Vec<usize> {
+    fn new_echoes(&self, state: &NomadReadings) -> Vec<usize> {
         let is_new = |sensor: &usize| state.sonar_at[*sensor].sensed_ms != self.sensed_ms[*sensor];
         let mut sensors: Vec<_> = (0..16).filter(is_new).collect();
         sensors.sort_by_key(|&sensor| core::cmp::Reverse(age_ms(state, sensor)));
@@ -234,7 +234,7 @@ impl EventQueue {
 }
 
 /// Age of a sonar's echo at the packet, ms. An echo from the future counts as new.
-fn age_ms(state: &NomadState, sensor: usize) -> u32 {
+fn age_ms(state: &NomadReadings, sensor: usize) -> u32 {
     let age_ms = state.time_ms.wrapping_sub(state.sonar_at[sensor].sensed_ms);
     if age_ms < 1 << 31 { age_ms } else { 0 }
 }
@@ -245,7 +245,7 @@ pub(super) fn position(pose: &[i32; 4]) -> Point {
 }
 
 /// Position of the robot and heading of its ring in a packet.
-pub(super) fn pose(state: &NomadState) -> Pose {
+pub(super) fn pose(state: &NomadReadings) -> Pose {
     to_pose(&state.pose)
 }
 

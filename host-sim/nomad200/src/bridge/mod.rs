@@ -249,13 +249,13 @@ type Ended = Option<Progress>;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::NomadState;
+    use crate::NomadReadings;
 
     /// docs/nomad.md: 622 bytes over TCP; 178 over a serial line, 46 ms at 38 400 baud.
     #[test]
     fn answers_are_as_long_as_the_docs_say() {
         let bytes = |sonars: u16| {
-            let payload = NomadState::default().to_payload(&mask(sonars));
+            let payload = NomadReadings::default().to_payload(&mask(sonars));
             payload.len() + "01 LEN LEN TYPE CK 5C".split(' ').count()
         };
         assert_eq!((bytes(u16::MAX), bytes(0xf)), (622, 178));

@@ -3,7 +3,7 @@
 use super::Ended;
 use super::events::position;
 use crate::units::{M_PER_TENTH_INCH, RAD_PER_TENTH_DEGREE, whole};
-use crate::{Host, NomadCommand, NomadState, RobotError};
+use crate::{Host, NomadCommand, NomadReadings, RobotError};
 use amp::controller::{Motion, Progress};
 use amp::units::Displacement;
 use arena::robot::BaseLimits;
@@ -51,7 +51,7 @@ impl MotionControl {
 
     /// Whether the base prepares to roll, or still brakes. Braking takes 0.67 s from full speed,
     /// more than the controller allows for a motion without displacement.
-    pub(super) fn is_steering(&self, state: &NomadState) -> bool {
+    pub(super) fn is_steering(&self, state: &NomadReadings) -> bool {
         let [rolling, turning, _] = state.velocity;
         match self.stage {
             MotionStage::Steering(_) | MotionStage::Braking(Some(_)) => true,
@@ -65,7 +65,7 @@ impl MotionControl {
     pub(super) fn begin(
         &mut self,
         host: &mut Host,
-        state: &NomadState,
+        state: &NomadReadings,
         goal: Point,
         motion: &Motion,
     ) -> Result<(), RobotError> {
@@ -102,7 +102,7 @@ impl MotionControl {
     pub(super) fn follow(
         &mut self,
         host: &mut Host,
-        state: &NomadState,
+        state: &NomadReadings,
     ) -> Result<Ended, RobotError> {
         let running = state.motors & 0b11 != 0 || state.velocity[0] != 0 || state.velocity[1] != 0;
         self.has_run |= running;
@@ -158,7 +158,7 @@ impl MotionControl {
     fn brake(
         &mut self,
         host: &mut Host,
-        state: &NomadState,
+        state: &NomadReadings,
         then: Option<Point>,
     ) -> Result<(), RobotError> {
         self.stage = MotionStage::Braking(then);
@@ -170,7 +170,7 @@ impl MotionControl {
     fn steer(
         &mut self,
         host: &mut Host,
-        state: &NomadState,
+        state: &NomadReadings,
         goal: Point,
     ) -> Result<(), RobotError> {
         let direction = (goal - position(&state.pose)).angle();
@@ -188,7 +188,12 @@ impl MotionControl {
     }
 
     /// Rolls along the wheels up to the goal, never farther.
-    fn roll(&mut self, host: &mut Host, state: &NomadState, goal: Point) -> Result<(), RobotError> {
+    fn roll(
+        &mut self,
+        host: &mut Host,
+        state: &NomadReadings,
+        goal: Point,
+    ) -> Result<(), RobotError> {
         let along = (goal - position(&state.pose)).dot(Point::unit(steering(state)));
         // Rounded towards zero.
         let units = (along / M_PER_TENTH_INCH) as i16;
@@ -204,7 +209,7 @@ impl MotionControl {
     fn change_goal(
         &mut self,
         host: &mut Host,
-        state: &NomadState,
+        state: &NomadReadings,
         goal: Point,
     ) -> Result<(), RobotError> {
         let to_goal = (goal - position(&state.pose)).turned_back(Point::unit(steering(state)));
@@ -225,7 +230,7 @@ impl MotionControl {
     fn send(
         &mut self,
         host: &mut Host,
-        state: &NomadState,
+        state: &NomadReadings,
         command: &NomadCommand,
     ) -> Result<(), RobotError> {
         // A stopped motor has already ended; a commanded motion may not have begun.
@@ -245,7 +250,7 @@ impl MotionControl {
     }
 }
 
-fn steering(state: &NomadState) -> f64 {
+fn steering(state: &NomadReadings) -> f64 {
     f64::from(state.pose[2]) * RAD_PER_TENTH_DEGREE
 }
 

@@ -4,7 +4,7 @@ use super::events::{self, EventQueue};
 use super::motion_control::MotionControl;
 use super::worker::{Worker, WorkerResult, WorkerTask};
 use super::{BridgeError, mask};
-use crate::{Host, NomadCommand, NomadState, RobotError};
+use crate::{Host, NomadCommand, NomadReadings, RobotError};
 use amp::config::Config;
 use amp::controller::{self, Outputs, Progress};
 use amp::node::MOTION_TTL_MS;
@@ -59,7 +59,7 @@ pub struct BridgeSession {
     worker: Worker,
     events: EventQueue,
     motion: MotionControl,
-    state: NomadState,
+    state: NomadReadings,
     sonars_at_once: u32,
     silence_ms: u32,
     pressed: bool,
@@ -99,7 +99,7 @@ impl BridgeSession {
             worker: Worker::start(controller),
             events: EventQueue::default(),
             motion: MotionControl::default(),
-            state: NomadState::default(),
+            state: NomadReadings::default(),
             sonars_at_once,
             silence_ms: u32::from(config.robot.ring_period_ms) * MAX_SILENT_RINGS,
             pressed: false,
@@ -250,7 +250,7 @@ impl BridgeSession {
     }
 
     /// Polls the robot's state; repeats the request if the answer is lost.
-    fn poll(&mut self) -> Result<NomadState, BridgeError> {
+    fn poll(&mut self) -> Result<NomadReadings, BridgeError> {
         let mut result = Err(RobotError::Silent {
             waited: Duration::ZERO,
         });

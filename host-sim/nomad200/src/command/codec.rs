@@ -1,7 +1,7 @@
 //! Encodes and decodes commands.
 
 use super::{AxisMode, CommandError, NomadCommand, ReadingGroup};
-use crate::bytes::{LengthError, Reader, put_i16, put_u16};
+use crate::bytes::{LengthError, PayloadReader, put_i16, put_u16};
 use crate::{Kind, Packet, StateMask};
 
 impl NomadCommand {
@@ -61,7 +61,7 @@ impl NomadCommand {
         if let Some(opaque) = opaque(kind, &packet.payload) {
             return opaque;
         }
-        let mut reader = Reader::new(&packet.payload);
+        let mut reader = PayloadReader::new(&packet.payload);
         let read = Self::read(kind, &mut reader).and_then(|command| {
             reader.end()?;
             Ok(command)
@@ -73,7 +73,7 @@ impl NomadCommand {
         }
     }
 
-    fn read(kind: Kind, reader: &mut Reader<'_>) -> Result<Self, PayloadError> {
+    fn read(kind: Kind, reader: &mut PayloadReader<'_>) -> Result<Self, PayloadError> {
         if let Some(group) = ReadingGroup::of(kind) {
             return Ok(Self::Get(group));
         }
@@ -142,14 +142,14 @@ impl From<LengthError> for PayloadError {
     }
 }
 
-fn wait_for_stop(reader: &mut Reader<'_>) -> Result<NomadCommand, LengthError> {
+fn wait_for_stop(reader: &mut PayloadReader<'_>) -> Result<NomadCommand, LengthError> {
     Ok(NomadCommand::WaitForStop {
         axes: reader.bytes()?.map(|flag: u8| flag != 0),
         timeout_s: reader.u8()?,
     })
 }
 
-fn axis(reader: &mut Reader<'_>) -> Result<(AxisMode, i16), PayloadError> {
+fn axis(reader: &mut PayloadReader<'_>) -> Result<(AxisMode, i16), PayloadError> {
     let number = reader.u16()?;
     let mode = AxisMode::of(number).ok_or(PayloadError::Mode(number))?;
     Ok((mode, reader.i16()?))

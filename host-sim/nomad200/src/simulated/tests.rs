@@ -20,15 +20,15 @@ fn robot() -> SimulatedNomad {
 }
 
 /// Executes a command and decodes its answer as a host does.
-fn send(robot: &mut SimulatedNomad, command: &NomadCommand) -> NomadState {
+fn send(robot: &mut SimulatedNomad, command: &NomadCommand) -> NomadReadings {
     let packet = robot.execute(command).expect("an answer at once");
     assert_eq!(packet.kind, command.kind() as u8);
-    let mut state = NomadState::default();
+    let mut state = NomadReadings::default();
     state.take_payload(robot.mask(), &packet.payload).unwrap();
     state
 }
 
-fn state(robot: &mut SimulatedNomad) -> NomadState {
+fn state(robot: &mut SimulatedNomad) -> NomadReadings {
     send(robot, &NomadCommand::GetState)
 }
 

@@ -13,12 +13,12 @@ fn at(x: i32, ms: u32) -> PosData {
     }
 }
 
-fn state(x: i32, ms: u32, echoes: &[(usize, i32, u32)]) -> NomadState {
-    let mut state = NomadState {
+fn state(x: i32, ms: u32, echoes: &[(usize, i32, u32)]) -> NomadReadings {
+    let mut state = NomadReadings {
         pose: at(x, 0).pose,
         time_ms: ms,
         sonar: [50; 16],
-        ..NomadState::default()
+        ..NomadReadings::default()
     };
     for &(sensor, x, ms) in echoes {
         state.sonar_at[sensor] = at(x, ms);
@@ -209,7 +209,7 @@ fn time_that_passes_is_told_once() {
 struct ExploringRobot {
     events: EventQueue,
     controller: LocalController,
-    state: NomadState,
+    state: NomadReadings,
     motion: Option<u16>,
 }
 
