@@ -465,8 +465,20 @@ fn verdict(book: &Bookkeeper) -> CampaignVerdict {
         BAD.stalls,
         BAD.stall_ms
     ));
+    verdict.table(["what", "number"], &rows(book));
+    let unaccepted = book.sent - book.accepted[0];
+    verdict.say(format_args!(
+        "\nsent minus accepted: {}; lost and overtaken, by the bookkeeper: {}",
+        grouped(unaccepted),
+        grouped(book.lost + book.overtaken)
+    ));
+    check(&mut verdict, book);
+    verdict
+}
+
+fn rows(book: &Bookkeeper) -> Vec<[String; 2]> {
     let row = |what: &str, number| [what.to_owned(), grouped(number)];
-    let rows = [
+    vec![
         row("lost in transit to the controller", book.lost),
         row("overtaken by a later one", book.overtaken),
         row("duplicated", book.repeated),
@@ -497,16 +509,12 @@ fn verdict(book: &Bookkeeper) -> CampaignVerdict {
             "executed while the controller's stop was in transit or lost",
             book.taken_back,
         ),
-    ];
-    verdict.table(["what", "number"], &rows);
-    let unaccepted = book.sent - book.accepted[0];
-    verdict.say(format_args!(
-        "\nsent minus accepted: {}; lost and overtaken, by the bookkeeper: {}",
-        grouped(unaccepted),
-        grouped(book.lost + book.overtaken)
-    ));
+    ]
+}
+
+fn check(verdict: &mut CampaignVerdict, book: &Bookkeeper) {
     verdict.require(
-        unaccepted == book.lost + book.overtaken,
+        book.sent - book.accepted[0] == book.lost + book.overtaken,
         "the count of lost frames is not exact",
     );
     for (what, [counted, right]) in [
@@ -522,5 +530,4 @@ fn verdict(book: &Bookkeeper) -> CampaignVerdict {
     verdict.require(book.stops_refused == 0, "a stop was refused");
     let enough = book.executed > 0 && book.replayed[1] > 0 && book.expired[1] > 0 && book.aged > 0;
     verdict.require(enough, "nothing was tested");
-    verdict
 }

@@ -206,8 +206,18 @@ fn try_it(ready: &Ready, hall: &World, gone: FailedPart, seed: u64, trial: u64) 
     }
     scene.is_gone(gone);
     scene.wheels.extend_without_end();
+    let returns_after_ms = below(&mut random, RETURN_MS) as u64;
+    watch_stop(&mut scene, gone, returns_after_ms)
+}
+
+/// Observes the stop after the failure; a host that is gone for a while returns after this time.
+fn watch_stop(
+    scene: &mut SilenceScene<'_>,
+    gone: FailedPart,
+    returns_after_ms: u64,
+) -> SilenceStop {
     let (began_ms, began_mm) = (scene.now_ms, scene.wheels.way_mm());
-    let returns_ms = began_ms + below(&mut random, RETURN_MS) as u64;
+    let returns_ms = began_ms + returns_after_ms;
     let (mut after_ms, mut stood_ms) = (None, None);
     let mut stood_mm = f64::INFINITY;
     while stood_ms.is_none_or(|stood| scene.now_ms < began_ms + stood + WATCHED_MS) {
