@@ -209,7 +209,7 @@ fn masks_make_packets_shorter_and_groups_ignore_them() {
 }
 
 #[test]
-fn a_wall_is_felt_heard_and_seen() {
+fn a_wall_is_detected_by_bumper_sonar_and_infrared() {
     let mut robot = robot_in(hall(1.0));
     send(&mut robot, &NomadCommand::Relative([900, 0, 0]));
     robot.advance(5_000);
