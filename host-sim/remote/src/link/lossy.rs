@@ -98,7 +98,7 @@ impl Transport for Silent {
     }
 }
 
-/// Never stops sending: each wait returns the bytes of `source` at once. It fails after 5 s, so that a
+/// Never stops sending: each wait returns the bytes of `source` at once. It fails after 5 s, so a
 /// test that waits for silence ends.
 pub struct Flood<F> {
     source: F,
