@@ -27,12 +27,12 @@ use look_ahead::GoalView;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Why {
     /// The subgoal is a neighbor nearer to the goal.
-    #[serde(alias = "Neighbour")]
+    #[serde(alias = "Neighbor")]
     Neighbor,
     /// The current neuron is the goal neuron: the target is the goal itself.
     GoalNeuron,
     /// No neighbor is nearer to the goal than the current neuron: the target is the goal itself.
-    #[serde(alias = "NoNearerNeighbour")]
+    #[serde(alias = "NoNearerNeighbor")]
     NoNearerNeighbor,
     /// The configuration makes the goal itself the target.
     GoalDirectly,
@@ -78,7 +78,7 @@ pub struct Plan<const SENSORS: usize> {
     /// Best-matching unit of the current situation.
     pub current_neuron: u8,
     /// Neuron of the subgoal.
-    #[serde(alias = "intermediate_neuron")]
+    #[serde(alias = "subgoal_neuron")]
     pub subgoal_neuron: u8,
     /// Wanted change of situation: the probe of the action map.
     #[serde(with = "crate::arrays")]

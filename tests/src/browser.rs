@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 use std::fs;
 use std::net::TcpStream;
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
@@ -22,6 +23,45 @@ pub struct Browser {
     _profile: TempDir,
 }
 
+/// Starts Chromium, whose debugger listens at any free port.
+fn spawn(profile: &Path) -> Child {
+    let spawned = Command::new("chromium")
+        .args([
+            "--headless=new",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--no-first-run",
+        ])
+        .args([
+            "--disable-dev-shm-usage",
+            "--hide-scrollbars",
+            "--disable-background-networking",
+        ])
+        .args(["--remote-debugging-port=0", "about:blank"])
+        .arg(format!("--user-data-dir={}", profile.display()))
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn();
+    spawned.unwrap_or_else(|error| {
+        panic!("chromium: {error}: apt-get install -y --no-install-recommends chromium")
+    })
+}
+
+/// Port and path of the debugger, from the file that the browser writes at its start.
+fn debugging_address(profile: &Path) -> (String, String) {
+    let active = profile.join("DevToolsActivePort");
+    let began = Instant::now();
+    loop {
+        let text = fs::read_to_string(&active).unwrap_or_default();
+        if let [port, path] = text.lines().collect::<Vec<_>>()[..] {
+            return (port.to_owned(), path.to_owned());
+        }
+        assert!(began.elapsed() < TIMEOUT, "chromium does not start");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
 impl Browser {
     /// Starts a browser and opens a page.
     ///
@@ -30,37 +70,8 @@ impl Browser {
     #[must_use]
     pub fn open(url: &str) -> Self {
         let profile = tempfile::tempdir().expect("a temporary folder");
-        let spawned = Command::new("chromium")
-            .args([
-                "--headless=new",
-                "--no-sandbox",
-                "--disable-gpu",
-                "--no-first-run",
-            ])
-            .args([
-                "--disable-dev-shm-usage",
-                "--hide-scrollbars",
-                "--disable-background-networking",
-            ])
-            .args(["--remote-debugging-port=0", "about:blank"])
-            .arg(format!("--user-data-dir={}", profile.path().display()))
-            .stdin(Stdio::null())
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn();
-        let child = spawned.unwrap_or_else(|error| {
-            panic!("chromium: {error}: apt-get install -y --no-install-recommends chromium")
-        });
-        let active = profile.path().join("DevToolsActivePort");
-        let began = Instant::now();
-        let (port, path) = loop {
-            let text = fs::read_to_string(&active).unwrap_or_default();
-            if let [port, path] = text.lines().collect::<Vec<_>>()[..] {
-                break (port.to_owned(), path.to_owned());
-            }
-            assert!(began.elapsed() < TIMEOUT, "chromium does not start");
-            std::thread::sleep(Duration::from_millis(20));
-        };
+        let child = spawn(profile.path());
+        let (port, path) = debugging_address(profile.path());
         let host = format!("127.0.0.1:{port}");
         let stream = TcpStream::connect(&host).expect("the browser listens");
         stream.set_read_timeout(Some(TIMEOUT)).expect("a timeout");

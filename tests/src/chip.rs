@@ -19,9 +19,6 @@ pub const TIMEOUT: Duration = Duration::from_secs(20);
 /// Default session of a peer.
 pub const SESSION: u16 = 7;
 
-/// Messages of the chip.
-pub type Said = DeviceMessage<16>;
-
 /// The image for QEMU, built once per test program.
 ///
 /// # Panics

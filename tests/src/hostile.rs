@@ -29,11 +29,11 @@ use std::io::Cursor;
 use std::path::Path;
 use view::{StepOutcome, ViewSource as _, WatchedLog};
 
-/// A kind of input and its reader.
-pub type Reader = (&'static str, fn(&[u8]));
+/// A kind of input and the function that reads it.
+pub type FuzzTarget = (&'static str, fn(&[u8]));
 
 /// All readers except [`map`], which takes files.
-pub const READERS: [Reader; 12] = [
+pub const READERS: [FuzzTarget; 12] = [
     ("frame", frame),
     ("content", content),
     ("session", session),

@@ -34,7 +34,7 @@ pub struct Program {
 
 /// Result of a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Output {
+pub struct ProgramOutput {
     /// Exit code; `None` if a signal ended it.
     pub code: Option<i32>,
     /// Standard output.
@@ -90,10 +90,10 @@ impl Program {
     /// # Panics
     /// When it cannot be started or its output is not UTF-8.
     #[must_use]
-    pub fn run<A: AsRef<OsStr>>(&self, args: &[A]) -> Output {
+    pub fn run<A: AsRef<OsStr>>(&self, args: &[A]) -> ProgramOutput {
         let done = self.command(args).output().expect("the program starts");
         let text = |bytes| String::from_utf8(bytes).expect("output is UTF-8");
-        Output {
+        ProgramOutput {
             code: done.status.code(),
             stdout: text(done.stdout),
             stderr: text(done.stderr),

@@ -1,7 +1,7 @@
 //! A simulated Nomad 200 started as a program, and helpers for its clients.
 
 use crate::Program;
-use nomad200::{Host, NomadState};
+use nomad200::{Host, NomadReadings};
 use remote::link::{Serial, Tcp};
 use std::io::{BufRead as _, BufReader, ErrorKind, Read, Write as _};
 use std::net::{Shutdown, TcpListener, TcpStream};
@@ -181,7 +181,7 @@ impl ServedRobot {
 
 /// Whether the base stands still.
 #[must_use]
-pub fn stands(state: &NomadState) -> bool {
+pub fn stands(state: &NomadReadings) -> bool {
     state.motors == 0 && state.velocity == [0; 3]
 }
 

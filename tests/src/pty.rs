@@ -59,48 +59,61 @@ impl FaultyPty {
 }
 
 /// Forwards bytes in both directions until one side closes or the line is disconnected.
-fn pump(device: File, mind: TcpStream, line: LineFault) {
+fn pump(device: File, controller: TcpStream, line: LineFault) {
     let carried = Arc::new(AtomicUsize::new(0));
-    let (mut from_program, mut to_device) = (
-        device.try_clone().expect("a second handle"),
-        mind.try_clone().expect("a second handle"),
-    );
+    let from_program = device.try_clone().expect("a second handle");
+    let to_controller = controller.try_clone().expect("a second handle");
     let seen = Arc::clone(&carried);
-    std::thread::spawn(move || {
-        let mut buffer = [0; 256];
-        loop {
-            match from_program.read(&mut buffer) {
-                Ok(count) if count > 0 && !is_pulled(line, &seen) => {
-                    if to_device.write_all(&buffer[..count]).is_err() {
-                        break;
-                    }
+    std::thread::spawn(move || forward(from_program, to_controller, line, &seen));
+    std::thread::spawn(move || forward_back(controller, device, line, &carried));
+}
+
+/// Forwards the program's bytes; waits until the program has opened the device.
+fn forward(
+    mut from_program: File,
+    mut to_controller: TcpStream,
+    line: LineFault,
+    carried: &AtomicUsize,
+) {
+    let mut buffer = [0; 256];
+    loop {
+        match from_program.read(&mut buffer) {
+            Ok(count) if count > 0 && !is_pulled(line, carried) => {
+                if to_controller.write_all(&buffer[..count]).is_err() {
+                    break;
                 }
-                // The device is not open yet.
-                Err(error) if error.raw_os_error() == Some(5) && !is_pulled(line, &seen) => {
-                    std::thread::sleep(std::time::Duration::from_millis(5));
-                }
-                _ => break,
             }
-        }
-        let _ = to_device.shutdown(std::net::Shutdown::Both);
-    });
-    std::thread::spawn(move || {
-        let (mut device, mut mind) = (device, mind);
-        if line == LineFault::StartsInTheMiddle {
-            let _ = device.write_all(&[0x11, 0x22, 0x33, 0]);
-        }
-        let mut buffer = [0; 64];
-        while let Ok(count) = mind.read(&mut buffer) {
-            if count == 0 || is_pulled(line, &carried) {
-                break;
+            // The device is not open yet.
+            Err(error) if error.raw_os_error() == Some(5) && !is_pulled(line, carried) => {
+                std::thread::sleep(std::time::Duration::from_millis(5));
             }
-            carried.fetch_add(count, Ordering::Relaxed);
-            let bytes = garbled(&buffer[..count], line);
-            if device.write_all(&bytes).is_err() {
-                break;
-            }
+            _ => break,
         }
-    });
+    }
+    let _ = to_controller.shutdown(std::net::Shutdown::Both);
+}
+
+/// Forwards the controller's bytes with the line's fault, and counts them.
+fn forward_back(
+    mut from_controller: TcpStream,
+    mut to_program: File,
+    line: LineFault,
+    carried: &AtomicUsize,
+) {
+    if line == LineFault::StartsInTheMiddle {
+        let _ = to_program.write_all(&[0x11, 0x22, 0x33, 0]);
+    }
+    let mut buffer = [0; 64];
+    while let Ok(count) = from_controller.read(&mut buffer) {
+        if count == 0 || is_pulled(line, carried) {
+            break;
+        }
+        carried.fetch_add(count, Ordering::Relaxed);
+        let bytes = garbled(&buffer[..count], line);
+        if to_program.write_all(&bytes).is_err() {
+            break;
+        }
+    }
 }
 
 fn is_pulled(line: LineFault, carried: &AtomicUsize) -> bool {

@@ -9,7 +9,7 @@ use std::os::unix::fs::{FileTypeExt as _, PermissionsExt as _, symlink};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
-use tests::{Output, Program, host_sim, words};
+use tests::{Program, ProgramOutput, host_sim, words};
 
 /// Commands that write one file, with `FILE` for its name.
 const WRITERS: [&str; 3] = [
@@ -18,7 +18,7 @@ const WRITERS: [&str; 3] = [
     "run --steps 1 --explore 5 --json --log FILE",
 ];
 
-fn run(program: &Program, line: &str, file: &str) -> Output {
+fn run(program: &Program, line: &str, file: &str) -> ProgramOutput {
     program.run(&words(&line.replace("FILE", file)))
 }
 
@@ -138,7 +138,7 @@ const READERS: [(&str, &str); 12] = [
 const REGULAR: [&str; 2] = ["results.csv", "found.csv"];
 
 /// The output of a command that may hang; killed after 20 s and limited to 1 GiB of memory.
-fn bounded(program: &Program, line: &str) -> Output {
+fn bounded(program: &Program, line: &str) -> ProgramOutput {
     let mut child = program
         .command(&words(line))
         .stdout(Stdio::piped())
@@ -167,7 +167,7 @@ fn bounded(program: &Program, line: &str) -> Output {
     let mut errors = child.stderr.take().expect("its messages");
     errors.read_to_string(stderr).expect("text");
     let [stdout, stderr] = said;
-    Output {
+    ProgramOutput {
         code: status.code(),
         stdout,
         stderr,

@@ -19,7 +19,7 @@ fn ms(ms: u64) -> Duration {
     Duration::from_millis(ms)
 }
 
-fn ask(host: &mut Host, command: &NomadCommand) -> nomad200::NomadState {
+fn ask(host: &mut Host, command: &NomadCommand) -> nomad200::NomadReadings {
     let state = host.request(command);
     state
         .unwrap_or_else(|error| panic!("{command:?}: {error}"))

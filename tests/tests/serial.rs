@@ -7,7 +7,7 @@ use tests::pty::{FaultyPty, LineFault};
 
 const EPISODE: &str = "run --world random:3 --steps 40 --explore 30 --json";
 
-fn with_mind(program: &tests::Program, mind: &str) -> tests::Output {
+fn with_mind(program: &tests::Program, mind: &str) -> tests::ProgramOutput {
     let words: Vec<_> = EPISODE.split_whitespace().chain(["--mind", mind]).collect();
     program.run(&words)
 }

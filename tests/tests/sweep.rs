@@ -6,7 +6,7 @@ use serde::Deserialize;
 use std::fs;
 use std::process::{Command, Stdio};
 use std::time::Duration;
-use tests::{Output, Program, host_sim, root, words};
+use tests::{Program, ProgramOutput, host_sim, root, words};
 
 /// Twelve kinds of episodes.
 const KINDS: &str = r#"
@@ -60,7 +60,7 @@ fn reference() -> String {
 }
 
 /// The sentence of a refusal.
-fn refused(output: &Output) -> &str {
+fn refused(output: &ProgramOutput) -> &str {
     assert_eq!(output.code, Some(2), "{}", output.stderr);
     assert_eq!(output.stderr.lines().count(), 1, "{}", output.stderr);
     output.stderr.trim_start_matches("host-sim: ").trim_end()

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use sim::behavior::Behavior;
 use sim::episode::{Setup, run_with};
 use sim::error::EpisodeError;
-use sim::pilot::{HeardEcho, InspectableController, LocalController, Pilot, SimState};
+use sim::pilot::{AgedEcho, InspectableController, LocalController, Pilot, SimState};
 
 /// What all episodes share.
 #[derive(Debug, Clone)]
@@ -164,8 +164,8 @@ impl Pilot for Witness {
         outputs
     }
 
-    fn echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> (usize, Outputs<16>) {
-        let Some(&HeardEcho {
+    fn echoes(&mut self, at: Millis, echoes: &[AgedEcho]) -> (usize, Outputs<16>) {
+        let Some(&AgedEcho {
             sensor,
             range,
             age_ms,

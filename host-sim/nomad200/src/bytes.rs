@@ -30,12 +30,12 @@ const SIGN_32: u32 = 1 << 31;
 
 /// Reads a payload from the front.
 #[derive(Debug, Clone)]
-pub(super) struct Reader<'a> {
+pub(super) struct PayloadReader<'a> {
     bytes: &'a [u8],
     at: usize,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> PayloadReader<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, at: 0 }
     }
@@ -153,12 +153,12 @@ mod tests {
         put_i16(&mut out, 100);
         put_i32(&mut out, -2);
         assert_eq!(out, [0x32, 0x80, 0x64, 0, 2, 0, 0, 0x80]);
-        let mut reader = Reader::new(&out);
+        let mut reader = PayloadReader::new(&out);
         assert_eq!(reader.i16s(), Ok([-50, 100]));
         assert_eq!(reader.i32(), Ok(-2));
         assert_eq!(reader.end(), Ok(()));
         // A negative zero is zero.
-        assert_eq!(Reader::new(&[0, 0x80]).i16(), Ok(0));
+        assert_eq!(PayloadReader::new(&[0, 0x80]).i16(), Ok(0));
     }
 
     #[test]
@@ -170,16 +170,16 @@ mod tests {
         ] {
             let mut out = Vec::new();
             put_i16(&mut out, number);
-            assert_eq!(Reader::new(&out).i16(), Ok(back));
+            assert_eq!(PayloadReader::new(&out).i16(), Ok(back));
         }
         let mut out = Vec::new();
         put_i32(&mut out, i32::MIN);
-        assert_eq!(Reader::new(&out).i32(), Ok(-i32::MAX));
+        assert_eq!(PayloadReader::new(&out).i32(), Ok(-i32::MAX));
     }
 
     #[test]
     fn too_short_and_too_long_say_by_how_much() {
-        let mut reader = Reader::new(&[1, 2, 3]);
+        let mut reader = PayloadReader::new(&[1, 2, 3]);
         assert_eq!(reader.u16(), Ok(0x0201));
         assert_eq!(reader.u16(), Err(LengthError { need: 4, got: 3 }));
         assert_eq!(reader.end(), Err(LengthError { need: 2, got: 3 }));

@@ -14,8 +14,8 @@ pub(super) struct DeadReckoning {
 
 impl DeadReckoning {
     /// Adds a displacement in the frame of the steering axis.
-    pub(super) fn roll(&mut self, way: Point) {
-        self.position = self.position + way.turned(Point::unit(self.steering));
+    pub(super) fn roll(&mut self, displacement: Point) {
+        self.position = self.position + displacement.turned(Point::unit(self.steering));
     }
 
     /// x, y, steering and turret for these angles of the axes.

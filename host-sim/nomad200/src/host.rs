@@ -1,8 +1,8 @@
 //! The host's end of the robot's line: sends commands and waits for answers.
 
 use super::{
-    CommandError, Decoder, Greeting, Kind, LengthError, MAX_FROM_ROBOT, NomadCommand, NomadState,
-    Packet, StateMask,
+    CommandError, Decoder, Greeting, Kind, LengthError, MAX_FROM_ROBOT, NomadCommand,
+    NomadReadings, Packet, StateMask,
 };
 use remote::link::{Deadline, Transport};
 use std::collections::VecDeque;
@@ -62,9 +62,9 @@ pub struct Host {
     line: Box<dyn Transport>,
     decoder: Decoder,
     deadline: Deadline,
-    found: VecDeque<Packet>,
+    packets: VecDeque<Packet>,
     mask: StateMask,
-    state: NomadState,
+    state: NomadReadings,
 }
 
 impl Host {
@@ -75,9 +75,9 @@ impl Host {
             line: Box::new(line),
             decoder: Decoder::new(MAX_FROM_ROBOT),
             deadline: Deadline::default(),
-            found: VecDeque::new(),
+            packets: VecDeque::new(),
             mask: StateMask::ALL,
-            state: NomadState::default(),
+            state: NomadReadings::default(),
         }
     }
 
@@ -110,7 +110,7 @@ impl Host {
 
     /// The latest readings.
     #[must_use]
-    pub fn state(&self) -> &NomadState {
+    pub fn state(&self) -> &NomadReadings {
         &self.state
     }
 
@@ -123,7 +123,7 @@ impl Host {
     ///
     /// # Errors
     /// [`RobotError`].
-    pub fn request(&mut self, command: &NomadCommand) -> Result<&NomadState, RobotError> {
+    pub fn request(&mut self, command: &NomadCommand) -> Result<&NomadReadings, RobotError> {
         self.request_within(command, ANSWER_TIMEOUT)
     }
 
@@ -135,7 +135,7 @@ impl Host {
         &mut self,
         command: &NomadCommand,
         timeout: Duration,
-    ) -> Result<&NomadState, RobotError> {
+    ) -> Result<&NomadReadings, RobotError> {
         if let NomadCommand::Communicate(mask) = command {
             self.mask = *mask;
         }
@@ -151,14 +151,14 @@ impl Host {
             }
             // A late answer to an earlier command is skipped.
             if packet.kind == kind as u8 {
-                self.take(command, &packet)
+                self.read_answer(command, &packet)
                     .map_err(|wrong| RobotError::Answer(kind, wrong))?;
                 return Ok(&self.state);
             }
         }
     }
 
-    fn take(&mut self, command: &NomadCommand, packet: &Packet) -> Result<(), LengthError> {
+    fn read_answer(&mut self, command: &NomadCommand, packet: &Packet) -> Result<(), LengthError> {
         match command {
             NomadCommand::Get(group) => self.state.take_group(*group, &self.mask, &packet.payload),
             // Three values of a calibration.
@@ -167,14 +167,14 @@ impl Host {
         }
     }
 
-    /// The next packet until then.
+    /// The next packet, or `None` at the time `until`.
     ///
     /// # Errors
     /// When the transport fails.
     pub fn next(&mut self, until: Instant) -> Result<Option<Packet>, RobotError> {
         let mut buffer = [0; 1_024];
         loop {
-            if let Some(packet) = self.found.pop_front() {
+            if let Some(packet) = self.packets.pop_front() {
                 return Ok(Some(packet));
             }
             if !self.deadline.allows_read(until) {
@@ -188,7 +188,7 @@ impl Host {
             let mut found = Vec::new();
             self.decoder
                 .push(buffer.get(..count).unwrap_or(&[]), &mut found);
-            self.found.extend(found);
+            self.packets.extend(found);
         }
     }
 }
@@ -214,7 +214,7 @@ mod tests {
     use remote::link::Flood;
 
     #[test]
-    fn a_robot_that_never_stops_answering_something_else_is_given_up() {
+    fn a_robot_that_sends_only_other_answers_times_out() {
         let report = Packet::new(Kind::Ct, vec![0; 80]).to_bytes();
         let mut host = Host::new(Flood::of(move || report.clone()));
         for timeout in [Duration::from_millis(100), ANSWER_TIMEOUT] {

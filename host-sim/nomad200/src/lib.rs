@@ -1,8 +1,8 @@
 //! The Nomad 200's own protocol: a simulated robot that speaks it, a host that drives a robot, and
-//! a bridge that lets the controller do so.
+//! a bridge between a robot and the controller.
 //!
 //! The facts come from the manufacturer's client library (Nomadic Technologies, `Nclient.h` and
-//! `Ndirect.c` 2.6.13, as kept in CARMEN). Where the library leaves something open, the comments
+//! `Ndirect.c` 2.6.13, copy in CARMEN). Where the library leaves something open, the comments
 //! and `docs/nomad.md` state the choice.
 
 pub mod bridge;
@@ -37,4 +37,4 @@ pub use packet::{Decoder, MAX_FROM_ROBOT, MAX_TO_ROBOT, Packet};
 pub use pty::PseudoTerminal;
 pub use server::{Server, SimClock};
 pub use simulated::{GroundTruth, SimulatedNomad};
-pub use state::{MAX_LASER_POINTS, NomadState, PosData};
+pub use state::{MAX_LASER_POINTS, NomadReadings, PosData};

@@ -11,7 +11,7 @@ pub enum Protocol {
     Direct,
     /// That of the original simulator's server.
     Nserver {
-        /// Port of the robot, which the server tells a client.
+        /// Port of the robot, which the server sends to a client.
         port: u16,
         /// Factor of simulated to real time, which the state reports.
         speed: u32,
@@ -108,7 +108,7 @@ impl RobotLine {
     fn execute(&mut self, packets: &[Packet]) {
         for packet in packets {
             let answer = match NomadCommand::from_packet(packet) {
-                Ok(command) => self.robot.take(&command),
+                Ok(command) => self.robot.execute(&command),
                 Err(_) => Some(nak()),
             };
             if let Some(answer) = answer {
@@ -132,16 +132,16 @@ impl RobotLine {
     /// Handles a request to the original simulator's server.
     fn serve(&mut self, request: &Request) {
         if let Request::Robot(command) = request {
-            if let Some(answer) = self.robot.take(command) {
+            if let Some(answer) = self.robot.execute(command) {
                 self.send(&answer);
             }
             return;
         }
         if let Request::Place([x, y, steering, turret]) = *request {
-            let _ = self.robot.take(&NomadCommand::DefinePosition([x, y]));
+            let _ = self.robot.execute(&NomadCommand::DefinePosition([x, y]));
             let _ = self
                 .robot
-                .take(&NomadCommand::DefineAngles([steering, turret]));
+                .execute(&NomadCommand::DefineAngles([steering, turret]));
         }
         let port = match self.protocol {
             Protocol::Direct => 0,
@@ -190,9 +190,9 @@ mod tests {
         line.receive(&short.to_bytes());
         assert_eq!(kinds(&mut line), [Kind::Nak as u8; 2]);
         // Half a packet is discarded after a silence, or for another host.
-        for forget in [RobotLine::idle, RobotLine::reset] {
+        for discard in [RobotLine::idle, RobotLine::reset] {
             line.receive(&[1, 8, 0, 5, 100]);
-            forget(&mut line);
+            discard(&mut line);
             line.receive(&NomadCommand::Get(ReadingGroup::Pose).to_packet().to_bytes());
             assert_eq!(kinds(&mut line), [Kind::GetRc as u8]);
         }
@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn the_simulators_server_speaks_of_the_same_robot() {
+    fn the_simulators_server_reports_the_same_robot() {
         let protocol = Protocol::Nserver {
             port: 7_019,
             speed: 5,

@@ -1,6 +1,6 @@
 //! The content of state packets: the `Smask` of the client library.
 
-use super::bytes::{LengthError, Reader};
+use super::bytes::{LengthError, PayloadReader};
 
 /// Bit of [`StateMask::attached`]: position data with infrared readings.
 pub const WITH_INFRARED: u8 = 1;
@@ -181,7 +181,7 @@ impl Greeting {
     /// # Errors
     /// When there are not eleven bytes.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, LengthError> {
-        let mut reader = Reader::new(bytes);
+        let mut reader = PayloadReader::new(bytes);
         let [a, b, c, d, motion, compass, laser] = reader.bytes()?;
         let (mode, points, processing) = (reader.u8()?, reader.u16()?, reader.u8()?);
         reader.end()?;

@@ -3,10 +3,11 @@
 //!
 //! A message is `type(u16) size(u16) size × i32`, all big-endian, without any mark in between.
 //! Every request has one answer; the state is always complete. Source: `Nclient.c` 2.7 (Nomadic
-//! Technologies, as kept in Player).
+//! Technologies; copy in Player).
 
+use super::state::has_time;
 use super::{
-    AxisMode, Kind, NomadCommand, NomadState, PosData, ReadingGroup, StateMask, WITH_BUMPER,
+    AxisMode, Kind, NomadCommand, NomadReadings, PosData, ReadingGroup, StateMask, WITH_BUMPER,
     WITH_COMPASS, WITH_INFRARED, WITH_LASER, WITH_SONAR,
 };
 
@@ -41,8 +42,8 @@ impl ServerMessage {
     /// Encodes the message, with at most 65 535 numbers.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
-        let most = usize::from(u16::MAX);
-        let numbers = self.numbers.get(..most).unwrap_or(&self.numbers);
+        let max = usize::from(u16::MAX);
+        let numbers = self.numbers.get(..max).unwrap_or(&self.numbers);
         let mut bytes = self.kind.to_be_bytes().to_vec();
         // Limited two lines above.
         bytes.extend((numbers.len() as u16).to_be_bytes());
@@ -81,7 +82,7 @@ pub enum Request {
     /// Requests the pose.
     Where,
     /// Drawing, speech, real mode: acknowledged without effect.
-    Nothing,
+    NoEffect,
     /// Unknown or not simulated.
     Unknown,
 }
@@ -113,7 +114,7 @@ impl Numbers<'_> {
     fn request(&self, kind: u16) -> Option<Request> {
         Some(match kind {
             41 => Request::Place(self.all()?),
-            60..=62 | 71 | 72 | 74 | 150..=159 | 19 => Request::Nothing,
+            60..=62 | 71 | 72 | 74 | 150..=159 | 19 => Request::NoEffect,
             101 | 102 => Request::Connect,
             103 => Request::Disconnect,
             200 => Request::Where,
@@ -150,35 +151,47 @@ impl Numbers<'_> {
                 let [seconds] = self.all()?;
                 NomadCommand::ConfigureTimeout(seconds)
             }
-            27 => NomadCommand::Get(ReadingGroup::Infrared),
-            28 => NomadCommand::Get(ReadingGroup::Sonar),
-            29 => NomadCommand::Get(ReadingGroup::Pose),
-            30 => NomadCommand::Get(ReadingGroup::Velocity),
-            31 => NomadCommand::Get(ReadingGroup::Acceleration),
-            32 => NomadCommand::Get(ReadingGroup::Compass),
-            33 => NomadCommand::Get(ReadingGroup::Laser),
-            35 => NomadCommand::Get(ReadingGroup::Bumper),
-            37 => NomadCommand::Get(ReadingGroup::Segments),
             38 => NomadCommand::DefineAngles(self.all()?),
-            39 => {
-                let [translation, steering, turret, timeout_s] = self.all::<4, u8>()?;
-                NomadCommand::WaitForStop {
-                    axes: [translation, steering, turret].map(|flag| flag != 0),
-                    timeout_s,
-                }
-            }
-            43 => {
-                let [t, t_value, s, s_value, r, r_value] = self.all::<6, i16>()?;
-                let mode = |number: i16| AxisMode::of(u16::try_from(number).ok()?);
-                NomadCommand::Move([
-                    (mode(t)?, t_value),
-                    (mode(s)?, s_value),
-                    (mode(r)?, r_value),
-                ])
-            }
-            _ => return None,
+            39 => self.wait_for_stop()?,
+            43 => self.move_axes()?,
+            _ => NomadCommand::Get(reading_group(kind)?),
         })
     }
+
+    fn wait_for_stop(&self) -> Option<NomadCommand> {
+        let [translation, steering, turret, timeout_s] = self.all::<4, u8>()?;
+        Some(NomadCommand::WaitForStop {
+            axes: [translation, steering, turret].map(|flag| flag != 0),
+            timeout_s,
+        })
+    }
+
+    /// Modes and values in turn, for translation, steering and turret.
+    fn move_axes(&self) -> Option<NomadCommand> {
+        let [t, t_value, s, s_value, r, r_value] = self.all::<6, i16>()?;
+        let mode = |number: i16| AxisMode::of(u16::try_from(number).ok()?);
+        Some(NomadCommand::Move([
+            (mode(t)?, t_value),
+            (mode(s)?, s_value),
+            (mode(r)?, r_value),
+        ]))
+    }
+}
+
+/// The readings that a `get_` request asks for.
+fn reading_group(kind: u16) -> Option<ReadingGroup> {
+    Some(match kind {
+        27 => ReadingGroup::Infrared,
+        28 => ReadingGroup::Sonar,
+        29 => ReadingGroup::Pose,
+        30 => ReadingGroup::Velocity,
+        31 => ReadingGroup::Acceleration,
+        32 => ReadingGroup::Compass,
+        33 => ReadingGroup::Laser,
+        35 => ReadingGroup::Bumper,
+        37 => ReadingGroup::Segments,
+        _ => return None,
+    })
 }
 
 /// Saturating conversion.
@@ -218,7 +231,7 @@ fn mask(bytes: [u8; 7]) -> StateMask {
 /// Answer to a command that the robot answered with a packet of `kind` (or NAK). `speed` is the
 /// factor of simulated to real time.
 #[must_use]
-pub fn answer(kind: u8, state: &NomadState, mask: &StateMask, speed: u32) -> ServerMessage {
+pub fn answer(kind: u8, state: &NomadReadings, mask: &StateMask, speed: u32) -> ServerMessage {
     match Kind::from_byte(kind) {
         Some(Kind::Nak) | None => ServerMessage {
             kind: ERROR,
@@ -233,18 +246,22 @@ pub fn answer(kind: u8, state: &NomadState, mask: &StateMask, speed: u32) -> Ser
 
 /// Answer to a request that is no command, if it has one.
 #[must_use]
-pub fn answer_request(request: &Request, state: &NomadState, port: u16) -> Option<ServerMessage> {
+pub fn answer_request(
+    request: &Request,
+    state: &NomadReadings,
+    port: u16,
+) -> Option<ServerMessage> {
     let (kind, numbers) = match request {
         Request::Connect => (REPLY, vec![i32::from(port)]),
         Request::Where => (CONFIGURATION, state.pose.to_vec()),
-        Request::Place(_) | Request::Nothing => (REPLY, Vec::new()),
+        Request::Place(_) | Request::NoEffect => (REPLY, Vec::new()),
         Request::Unknown => (ERROR, vec![UNKNOWN_ERROR]),
         Request::Disconnect | Request::Robot(_) => return None,
     };
     Some(ServerMessage { kind, numbers })
 }
 
-fn state_message(state: &NomadState, mask: &StateMask, speed: u32) -> ServerMessage {
+fn state_message(state: &NomadReadings, mask: &StateMask, speed: u32) -> ServerMessage {
     // 10 = real time; at most 10 000.
     let mut numbers = vec![(speed * 10) as i32];
     numbers.extend(state.infrared.map(i32::from));
@@ -268,56 +285,56 @@ fn state_message(state: &NomadState, mask: &StateMask, speed: u32) -> ServerMess
     }
 }
 
-fn group_message(group: ReadingGroup, state: &NomadState, mask: &StateMask) -> ServerMessage {
-    let mut numbers: Vec<i32> = Vec::new();
-    let out = &mut numbers;
-    let kind = match group {
-        ReadingGroup::Infrared => {
-            out.extend(state.infrared.map(i32::from));
-            attach(out, mask.has(WITH_INFRARED), &state.infrared_at);
-            INFRARED
-        }
-        ReadingGroup::Sonar => {
-            out.extend(state.sonar.map(i32::from));
-            attach(out, mask.has(WITH_SONAR), &state.sonar_at);
-            SONAR
-        }
-        ReadingGroup::Bumper => {
-            out.push(state.bumpers as i32);
-            attach(out, mask.has(WITH_BUMPER), &[state.bumpers_at]);
-            BUMPER
-        }
-        ReadingGroup::Compass => {
-            out.push(state.compass.into());
-            attach(out, mask.has(WITH_COMPASS), &[state.compass_at]);
-            COMPASS
-        }
-        // No points and no lines.
-        ReadingGroup::Laser | ReadingGroup::Segments => {
-            out.push(0);
-            attach(out, mask.has(WITH_LASER), &[state.laser_at]);
-            LASER
-        }
-        ReadingGroup::Pose => {
-            out.extend(state.pose);
-            CONFIGURATION
-        }
-        ReadingGroup::Velocity => {
-            out.extend(state.velocity);
-            VELOCITY
-        }
-        ReadingGroup::Acceleration => {
-            out.extend(state.acceleration.map(i32::from));
-            ACCELERATION
-        }
-    };
-    if !matches!(
-        group,
-        ReadingGroup::Pose | ReadingGroup::Velocity | ReadingGroup::Acceleration
-    ) {
-        out.push(state.time_ms as i32);
+fn group_message(group: ReadingGroup, state: &NomadReadings, mask: &StateMask) -> ServerMessage {
+    let mut numbers = group_readings(group, state);
+    attach_group(&mut numbers, group, state, mask);
+    if has_time(group) {
+        numbers.push(state.time_ms as i32);
     }
-    ServerMessage { kind, numbers }
+    ServerMessage {
+        kind: group_kind(group),
+        numbers,
+    }
+}
+
+fn group_kind(group: ReadingGroup) -> u16 {
+    match group {
+        ReadingGroup::Infrared => INFRARED,
+        ReadingGroup::Sonar => SONAR,
+        ReadingGroup::Bumper => BUMPER,
+        ReadingGroup::Compass => COMPASS,
+        ReadingGroup::Laser | ReadingGroup::Segments => LASER,
+        ReadingGroup::Pose => CONFIGURATION,
+        ReadingGroup::Velocity => VELOCITY,
+        ReadingGroup::Acceleration => ACCELERATION,
+    }
+}
+
+fn group_readings(group: ReadingGroup, state: &NomadReadings) -> Vec<i32> {
+    match group {
+        ReadingGroup::Infrared => state.infrared.map(i32::from).to_vec(),
+        ReadingGroup::Sonar => state.sonar.map(i32::from).to_vec(),
+        ReadingGroup::Bumper => vec![state.bumpers as i32],
+        ReadingGroup::Compass => vec![state.compass.into()],
+        // No points and no lines.
+        ReadingGroup::Laser | ReadingGroup::Segments => vec![0],
+        ReadingGroup::Pose => state.pose.to_vec(),
+        ReadingGroup::Velocity => state.velocity.to_vec(),
+        ReadingGroup::Acceleration => state.acceleration.map(i32::from).to_vec(),
+    }
+}
+
+/// Appends the position data of a group, if the mask selects them.
+fn attach_group(out: &mut Vec<i32>, group: ReadingGroup, state: &NomadReadings, mask: &StateMask) {
+    let (attached, places): (u8, &[PosData]) = match group {
+        ReadingGroup::Infrared => (WITH_INFRARED, &state.infrared_at),
+        ReadingGroup::Sonar => (WITH_SONAR, &state.sonar_at),
+        ReadingGroup::Bumper => (WITH_BUMPER, &[state.bumpers_at]),
+        ReadingGroup::Compass => (WITH_COMPASS, &[state.compass_at]),
+        ReadingGroup::Laser | ReadingGroup::Segments => (WITH_LASER, &[state.laser_at]),
+        ReadingGroup::Pose | ReadingGroup::Velocity | ReadingGroup::Acceleration => return,
+    };
+    attach(out, mask.has(attached), places);
 }
 
 fn attach(out: &mut Vec<i32>, on: bool, places: &[PosData]) {

@@ -41,8 +41,8 @@ impl Packet {
     /// Encodes the packet; a payload is cut off at 65 533 bytes.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
-        let most = usize::from(u16::MAX) - 2;
-        let payload = self.payload.get(..most).unwrap_or(&self.payload);
+        let max = usize::from(u16::MAX) - 2;
+        let payload = self.payload.get(..max).unwrap_or(&self.payload);
         // Limited two lines above.
         let length = (payload.len() + 2) as u16;
         let mut bytes = Vec::with_capacity(payload.len() + HEAD + 3);
@@ -64,28 +64,28 @@ fn sum(bytes: &[u8]) -> u8 {
 /// is bounded by the longest packet.
 #[derive(Debug, Clone)]
 pub struct Decoder {
-    most: usize,
+    max_length: usize,
     buffer: Vec<u8>,
     /// Bytes outside any packet.
     skipped: u64,
 }
 
-/// What the buffer begins with.
+/// Beginning of the buffer.
 enum Prefix {
     /// No packet.
-    Nothing,
+    Invalid,
     /// An incomplete packet.
-    Part,
+    Incomplete,
     /// A complete packet of this length.
-    Whole(usize),
+    Complete(usize),
 }
 
 impl Decoder {
-    /// A decoder that accepts packets with a LEN of at most `most`.
+    /// A decoder that accepts packets with a LEN of at most `max_length`.
     #[must_use]
-    pub fn new(most: usize) -> Self {
+    pub fn new(max_length: usize) -> Self {
         Self {
-            most,
+            max_length,
             buffer: Vec::new(),
             skipped: 0,
         }
@@ -122,15 +122,15 @@ impl Decoder {
         let mut from = 0;
         while let Some(buffer) = self.buffer.get(from..).filter(|buffer| !buffer.is_empty()) {
             match self.prefix(buffer) {
-                Prefix::Whole(length) => {
+                Prefix::Complete(length) => {
                     found.push(Packet {
                         kind: buffer.get(HEAD).copied().unwrap_or(0),
                         payload: buffer.get(HEAD + 1..length - 2).unwrap_or(&[]).to_vec(),
                     });
                     from += length;
                 }
-                Prefix::Part if !give_up => break,
-                Prefix::Part | Prefix::Nothing => {
+                Prefix::Incomplete if !give_up => break,
+                Prefix::Incomplete | Prefix::Invalid => {
                     self.skipped += 1;
                     from += 1;
                 }
@@ -142,19 +142,19 @@ impl Decoder {
     fn prefix(&self, buffer: &[u8]) -> Prefix {
         let length = match *buffer {
             [BEGIN, low, high, ..] => usize::from(u16::from_le_bytes([low, high])),
-            [BEGIN] | [BEGIN, _] => return Prefix::Part,
-            _ => return Prefix::Nothing,
+            [BEGIN] | [BEGIN, _] => return Prefix::Incomplete,
+            _ => return Prefix::Invalid,
         };
         // At least type and check byte.
-        if length < 2 || length > self.most {
-            return Prefix::Nothing;
+        if length < 2 || length > self.max_length {
+            return Prefix::Invalid;
         }
         let Some(packet) = buffer.get(..length + UNCOUNTED) else {
-            return Prefix::Part;
+            return Prefix::Incomplete;
         };
         match packet {
-            [summed @ .., check, END] if sum(summed) == *check => Prefix::Whole(packet.len()),
-            _ => Prefix::Nothing,
+            [summed @ .., check, END] if sum(summed) == *check => Prefix::Complete(packet.len()),
+            _ => Prefix::Invalid,
         }
     }
 }

@@ -1,4 +1,4 @@
-//! A pseudo terminal, which looks like a serial port to any program, at any speed.
+//! A pseudo terminal: a serial port for other programs, at any speed.
 
 use nix::pty::openpty;
 use nix::sys::termios::{SetArg, cfmakeraw, tcgetattr, tcsetattr};
@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::Duration;
 
-/// Buffered pieces in each direction. More is lost, as on a serial line.
-const MAX_PIECES: usize = 64;
+/// Buffered chunks in each direction. More is lost, as on a serial line.
+const MAX_CHUNKS: usize = 64;
 
 /// The controlling end of a pseudo terminal.
 #[derive(Debug)]
@@ -23,7 +23,7 @@ pub struct PseudoTerminal {
     from_host: Receiver<Vec<u8>>,
     to_host: SyncSender<Vec<u8>>,
     /// Bytes that were read and not returned yet.
-    left: Vec<u8>,
+    unread: Vec<u8>,
 }
 
 impl PseudoTerminal {
@@ -39,8 +39,8 @@ impl PseudoTerminal {
         let path = ttyname(&pair.slave)?;
         let reader = File::from(pair.master);
         let writer = reader.try_clone()?;
-        let (received, from_host) = sync_channel(MAX_PIECES);
-        let (to_host, to_send) = sync_channel(MAX_PIECES);
+        let (received, from_host) = sync_channel(MAX_CHUNKS);
+        let (to_host, to_send) = sync_channel(MAX_CHUNKS);
         std::thread::spawn(move || read(reader, &received));
         std::thread::spawn(move || write(writer, &to_send));
         Ok(Self {
@@ -48,7 +48,7 @@ impl PseudoTerminal {
             _device: pair.slave,
             from_host,
             to_host,
-            left: Vec::new(),
+            unread: Vec::new(),
         })
     }
 
@@ -62,44 +62,44 @@ impl PseudoTerminal {
 fn read(mut device: File, received: &SyncSender<Vec<u8>>) {
     let mut buffer = [0; 1_024];
     while let Ok(count) = device.read(&mut buffer) {
-        let piece = buffer.get(..count).unwrap_or(&[]).to_vec();
-        if count == 0 || received.send(piece).is_err() {
+        let chunk = buffer.get(..count).unwrap_or(&[]).to_vec();
+        if count == 0 || received.send(chunk).is_err() {
             break;
         }
     }
 }
 
 fn write(mut device: File, to_send: &Receiver<Vec<u8>>) {
-    while let Ok(piece) = to_send.recv() {
-        if device.write_all(&piece).is_err() {
+    while let Ok(chunk) = to_send.recv() {
+        if device.write_all(&chunk).is_err() {
             break;
         }
     }
 }
 
-fn gone() -> io::Error {
+fn closed() -> io::Error {
     io::Error::new(io::ErrorKind::BrokenPipe, "the pseudo terminal is gone")
 }
 
 impl Transport for PseudoTerminal {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         match self.to_host.try_send(bytes.to_vec()) {
-            Err(std::sync::mpsc::TrySendError::Disconnected(_)) => Err(gone()),
+            Err(std::sync::mpsc::TrySendError::Disconnected(_)) => Err(closed()),
             // Lost if no program reads.
             _ => Ok(()),
         }
     }
 
     fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
-        if self.left.is_empty() {
-            self.left = match self.from_host.recv_timeout(timeout) {
-                Ok(piece) => piece,
+        if self.unread.is_empty() {
+            self.unread = match self.from_host.recv_timeout(timeout) {
+                Ok(chunk) => chunk,
                 Err(RecvTimeoutError::Timeout) => return Ok(0),
-                Err(RecvTimeoutError::Disconnected) => return Err(gone()),
+                Err(RecvTimeoutError::Disconnected) => return Err(closed()),
             };
         }
-        let count = self.left.len().min(buffer.len());
-        let taken: Vec<_> = self.left.drain(..count).collect();
+        let count = self.unread.len().min(buffer.len());
+        let taken: Vec<_> = self.unread.drain(..count).collect();
         buffer
             .iter_mut()
             .zip(&taken)

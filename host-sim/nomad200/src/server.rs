@@ -17,7 +17,7 @@ const PACKET_TIMEOUT: Duration = Duration::from_millis(500);
 const PROBE_AFTER: Duration = Duration::from_secs(10);
 const PROBE_EVERY: Duration = Duration::from_secs(5);
 
-/// A host that acknowledges nothing for this long is gone.
+/// A host that acknowledges nothing for this long is disconnected.
 #[cfg(target_os = "linux")]
 const MAX_UNACKNOWLEDGED: Duration = Duration::from_secs(20);
 
@@ -49,10 +49,10 @@ impl SimClock {
         let speed = u128::from(self.speed);
         let real_ms = now.saturating_duration_since(self.began).as_millis();
         let due_ms = (real_ms * speed).saturating_sub(self.passed_ms);
-        let most_ms = MAX_LAG_S * 1_000 * speed;
+        let max_ms = MAX_LAG_S * 1_000 * speed;
         self.passed_ms += due_ms;
         // At most a second at some thousand times real time.
-        due_ms.min(most_ms) as u32
+        due_ms.min(max_ms) as u32
     }
 }
 
@@ -153,7 +153,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_robots_time_runs_as_fast_as_it_is_told_and_skips_what_it_missed() {
+    fn the_robots_time_runs_at_the_set_speed_and_skips_an_excessive_lag() {
         let began = Instant::now();
         let at = |ms: u64| began + Duration::from_millis(ms);
         let mut clock = SimClock::new(20, began);

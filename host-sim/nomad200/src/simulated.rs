@@ -1,13 +1,13 @@
 //! A simulated Nomad 200: three motors, sonars, infrared sensors, bumpers, odometry, and a time-out
 //! of the host.
 //!
-//! [`SimulatedNomad::take`] executes a command, [`SimulatedNomad::advance`] advances the time,
+//! [`SimulatedNomad::execute`] executes a command, [`SimulatedNomad::advance`] advances the time,
 //! [`SimulatedNomad::answer`] returns delayed answers. It has no clock and no line of its own.
 
 use super::dead_reckoning::DeadReckoning;
 use super::firing::FiringSchedule;
 use super::units::{PER_UNIT, whole};
-use super::{Kind, NomadState, Packet, PosData, StateMask};
+use super::{Kind, NomadReadings, Packet, PosData, StateMask};
 use arena::noise::Noise;
 use arena::robot::{Axes, Axis, BaseLimits};
 use arena::sonar::{
@@ -26,7 +26,7 @@ const TIMEOUT_S: u8 = 5;
 const INFRARED_MS: u32 = 100;
 
 /// Infrared reading without an object, in.
-const NOTHING_NEAR: u8 = 15;
+const MAX_INFRARED_IN: u8 = 15;
 
 /// Raw voltages of a charged battery: 11.9 V and 12.7 V.
 const VOLTAGE: u8 = 250;
@@ -74,7 +74,7 @@ pub struct SimulatedNomad {
     ground_truth: GroundTruth,
     /// Distance after which the wheels are blocked, m.
     blocked_after_m: f64,
-    state: NomadState,
+    state: NomadReadings,
 }
 
 impl SimulatedNomad {
@@ -83,27 +83,15 @@ impl SimulatedNomad {
     #[must_use]
     pub fn new(world: World, sonar: SonarModel, seed: u64) -> Self {
         let mut noise = Noise::new(seed);
-        let slip = match sonar {
-            SonarModel::Ideal => 0.0,
-            _ => BaseLimits::default().slip,
-        };
-        let limits = BaseLimits {
-            slip,
-            ..BaseLimits::default()
-        };
-        let near = SonarConfig {
-            max_range_m: f64::from(NOTHING_NEAR) * M_PER_INCH,
-            ..SonarConfig::ideal()
-        };
-        let geometry = RingGeometry::default();
         let ring = Ring::new(sonar, &mut noise);
+        let infrared = infrared_ring(&mut noise);
         Self {
-            axes: Axes::new(world.start(), &limits),
+            axes: Axes::new(world.start(), &base_limits(sonar)),
             world,
             reckoning: DeadReckoning::default(),
             ring,
             firing: FiringSchedule::default(),
-            infrared: Ring::with_config(SonarModel::Ideal, geometry, near, &mut noise),
+            infrared,
             history: 0,
             infrared_on: u16::MAX,
             compass_on: false,
@@ -115,21 +103,15 @@ impl SimulatedNomad {
             zeroing: false,
             ground_truth: GroundTruth::default(),
             blocked_after_m: f64::INFINITY,
-            state: NomadState {
-                infrared: [NOTHING_NEAR; 16],
-                sonar: [MAX_READING_IN; 16],
-                cpu_voltage: VOLTAGE,
-                motor_voltage: VOLTAGE,
-                ..NomadState::default()
-            },
+            state: initial_state(),
         }
     }
 
     /// The same robot, whose wheels are blocked after this distance, m: the motor runs, but the
     /// robot does not move.
     #[must_use]
-    pub fn with_wheels_blocked_after(mut self, way_m: f64) -> Self {
-        self.blocked_after_m = way_m;
+    pub fn with_wheels_blocked_after(mut self, distance_m: f64) -> Self {
+        self.blocked_after_m = distance_m;
         self
     }
 
@@ -159,7 +141,7 @@ impl SimulatedNomad {
 
     /// The current readings.
     #[must_use]
-    pub fn state(&self) -> &NomadState {
+    pub fn state(&self) -> &NomadReadings {
         &self.state
     }
 
@@ -196,9 +178,9 @@ impl SimulatedNomad {
             self.read_infrared();
         }
         let silent_ms = self.time_ms().wrapping_sub(self.last_command_ms);
-        let patience_ms = u32::from(self.timeout_s) * 1_000;
+        let timeout_ms = u32::from(self.timeout_s) * 1_000;
         // Zeroing continues without the host.
-        if self.timeout_s > 0 && silent_ms > patience_ms && !self.zeroing {
+        if self.timeout_s > 0 && silent_ms > timeout_ms && !self.zeroing {
             self.hold();
         }
         if Axis::ALL.into_iter().any(|axis| self.axes.is_active(axis)) {
@@ -253,10 +235,10 @@ impl SimulatedNomad {
             if self.infrared_on >> sensor & 1 == 0 {
                 continue;
             }
-            let seen = u32::from(reading_in(range).min(NOTHING_NEAR));
+            let measured = u32::from(reading_in(range).min(MAX_INFRARED_IN));
             let reading = &mut self.state.infrared[sensor];
             // A weighted mean of two numbers up to 15.
-            *reading = ((old * u32::from(*reading) + new * seen + 5) / 10) as u8;
+            *reading = ((old * u32::from(*reading) + new * measured + 5) / 10) as u8;
             self.state.infrared_at[sensor] = here;
         }
     }
@@ -307,6 +289,35 @@ impl SimulatedNomad {
             self.state.compass_at,
             self.state.laser_at,
         ) = (here, here, here);
+    }
+}
+
+/// The base's limits; with ideal sonars its wheels do not slip.
+fn base_limits(sonar: SonarModel) -> BaseLimits {
+    let default = BaseLimits::default();
+    let slip = match sonar {
+        SonarModel::Ideal => 0.0,
+        _ => default.slip,
+    };
+    BaseLimits { slip, ..default }
+}
+
+fn infrared_ring(noise: &mut Noise) -> Ring {
+    let config = SonarConfig {
+        max_range_m: f64::from(MAX_INFRARED_IN) * M_PER_INCH,
+        ..SonarConfig::ideal()
+    };
+    Ring::with_config(SonarModel::Ideal, RingGeometry::default(), config, noise)
+}
+
+/// The readings before the first echo.
+fn initial_state() -> NomadReadings {
+    NomadReadings {
+        infrared: [MAX_INFRARED_IN; 16],
+        sonar: [MAX_READING_IN; 16],
+        cpu_voltage: VOLTAGE,
+        motor_voltage: VOLTAGE,
+        ..NomadReadings::default()
     }
 }
 

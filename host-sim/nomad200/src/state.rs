@@ -4,7 +4,7 @@
 //! in a fixed order, then motor status, time and voltages. A `get_` command is answered with one
 //! group of readings, whatever the mask.
 
-use super::bytes::{LengthError, Reader, put_i16, put_i32, put_u16, put_u32};
+use super::bytes::{LengthError, PayloadReader, put_i16, put_i32, put_u16, put_u32};
 use super::command::ReadingGroup;
 use super::mask::{StateMask, WITH_BUMPER, WITH_COMPASS, WITH_INFRARED, WITH_LASER, WITH_SONAR};
 
@@ -26,7 +26,7 @@ pub struct PosData {
 
 /// The robot's readings: the client library's `State` vector, with position data.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct NomadState {
+pub struct NomadReadings {
     /// 0 … 15 in; 15 = no object.
     pub infrared: [u8; 16],
     /// Whole inches; 255 = no echo.
@@ -63,7 +63,7 @@ pub struct NomadState {
     pub compass_at: PosData,
 }
 
-impl NomadState {
+impl NomadReadings {
     /// Encodes a state packet.
     #[must_use]
     pub fn to_payload(&self, mask: &StateMask) -> Vec<u8> {
@@ -101,7 +101,7 @@ impl NomadState {
     /// # Errors
     /// When the length does not match the mask.
     pub fn take_payload(&mut self, mask: &StateMask, payload: &[u8]) -> Result<(), LengthError> {
-        let mut reader = Reader::new(payload);
+        let mut reader = PayloadReader::new(payload);
         self.take_infrared(&mut reader, mask.infrared, mask)?;
         self.take_sonar(&mut reader, mask.sonar, mask)?;
         if mask.bumper {
@@ -176,7 +176,7 @@ impl NomadState {
         mask: &StateMask,
         payload: &[u8],
     ) -> Result<(), LengthError> {
-        let mut reader = Reader::new(payload);
+        let mut reader = PayloadReader::new(payload);
         match group {
             ReadingGroup::Infrared => self.take_infrared(&mut reader, u16::MAX, mask)?,
             ReadingGroup::Sonar => self.take_sonar(&mut reader, u16::MAX, mask)?,
@@ -216,7 +216,7 @@ impl NomadState {
 
     fn take_infrared(
         &mut self,
-        reader: &mut Reader<'_>,
+        reader: &mut PayloadReader<'_>,
         sensors: u16,
         mask: &StateMask,
     ) -> Result<(), LengthError> {
@@ -244,7 +244,7 @@ impl NomadState {
 
     fn take_sonar(
         &mut self,
-        reader: &mut Reader<'_>,
+        reader: &mut PayloadReader<'_>,
         sensors: u16,
         mask: &StateMask,
     ) -> Result<(), LengthError> {
@@ -264,7 +264,7 @@ impl NomadState {
 
     fn take_bumper(
         &mut self,
-        reader: &mut Reader<'_>,
+        reader: &mut PayloadReader<'_>,
         mask: &StateMask,
     ) -> Result<(), LengthError> {
         let [high, middle, low] = reader.bytes()?;
@@ -279,7 +279,7 @@ impl NomadState {
 
     fn take_compass(
         &mut self,
-        reader: &mut Reader<'_>,
+        reader: &mut PayloadReader<'_>,
         mask: &StateMask,
     ) -> Result<(), LengthError> {
         self.compass = reader.u16()?;
@@ -294,7 +294,11 @@ impl NomadState {
         put_attached(out, mask.has(WITH_LASER), &[self.laser_at]);
     }
 
-    fn take_laser(&mut self, reader: &mut Reader<'_>, mask: &StateMask) -> Result<(), LengthError> {
+    fn take_laser(
+        &mut self,
+        reader: &mut PayloadReader<'_>,
+        mask: &StateMask,
+    ) -> Result<(), LengthError> {
         let count = usize::from(reader.u16()?);
         self.laser.clear();
         for _ in 0..count {
@@ -305,7 +309,7 @@ impl NomadState {
 }
 
 /// Whether the answer ends with the time of the sensor board.
-fn has_time(group: ReadingGroup) -> bool {
+pub(super) fn has_time(group: ReadingGroup) -> bool {
     !matches!(
         group,
         ReadingGroup::Pose | ReadingGroup::Velocity | ReadingGroup::Acceleration
@@ -340,7 +344,7 @@ fn put_attached<'a>(out: &mut Vec<u8>, on: bool, places: impl IntoIterator<Item 
 }
 
 fn take_attached<'a>(
-    reader: &mut Reader<'_>,
+    reader: &mut PayloadReader<'_>,
     on: bool,
     places: impl IntoIterator<Item = &'a mut PosData>,
 ) -> Result<(), LengthError> {

@@ -90,21 +90,25 @@ fn legend(
     }
     legend.note(svg, tiles.neighbors());
     if !names.is_empty() {
-        legend.skip(4.0);
-        legend.headline(svg, "Components");
-        for (i, name) in names.iter().take(NAMES.min(dimensions)).enumerate() {
-            let name = shortened(name, 24);
-            let at = legend.next_line(svg);
-            svg.text(
-                at,
-                Font::new(11.5).color(INK),
-                &format!("{}  {name}", i + 1),
-            );
-        }
-        let more = dimensions.saturating_sub(NAMES);
-        if more > 0 {
-            legend.note(svg, &format!("and {more} more"));
-        }
+        component_names(svg, &mut legend, names, dimensions);
+    }
+}
+
+fn component_names(svg: &mut Svg, legend: &mut Legend, names: &[String], dimensions: usize) {
+    legend.skip(4.0);
+    legend.headline(svg, "Components");
+    for (i, name) in names.iter().take(NAMES.min(dimensions)).enumerate() {
+        let name = shortened(name, 24);
+        let at = legend.next_line(svg);
+        svg.text(
+            at,
+            Font::new(11.5).color(INK),
+            &format!("{}  {name}", i + 1),
+        );
+    }
+    let more = dimensions.saturating_sub(NAMES);
+    if more > 0 {
+        legend.note(svg, &format!("and {more} more"));
     }
 }
 

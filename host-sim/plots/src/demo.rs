@@ -50,7 +50,6 @@ pub fn write(
     Ok(written)
 }
 
-/// Name, title, caption and document.
 type DemoPicture = (&'static str, &'static str, &'static [&'static str], String);
 
 /// Name, title, caption and document of each picture, in the recommended order.

@@ -83,18 +83,24 @@ fn tile(
 ) {
     svg.rect([x, y, side, side], &filled("#ffffff", PALE, 1.0));
     let Some(label) = label else { return };
-    let font = Font::new(11.0).color(INK);
-    if !shown.named {
-        let rows = label.iter().enumerate().take((side / 13.0) as usize);
-        for (row, value) in rows.filter(|_| side >= 2.0 * NUMBER) {
-            svg.text(
-                [x + 4.0, y + 13.0 + 12.0 * row as f64],
-                font,
-                &decimal(*value, 2),
-            );
-        }
+    if shown.named {
+        class_tile(svg, [x, y], side, shown, label);
         return;
     }
+    let font = Font::new(11.0).color(INK);
+    let rows = label.iter().enumerate().take((side / 13.0) as usize);
+    for (row, value) in rows.filter(|_| side >= 2.0 * NUMBER) {
+        svg.text(
+            [x + 4.0, y + 13.0 + 12.0 * row as f64],
+            font,
+            &decimal(*value, 2),
+        );
+    }
+}
+
+/// Colors a tile by its most frequent class and names the class.
+fn class_tile(svg: &mut Svg, [x, y]: [f64; 2], side: f64, shown: &LabeledMap<'_>, label: &[f64]) {
+    let font = Font::new(11.0).color(INK);
     let Some((class, share)) = prevailing(label) else {
         return;
     };

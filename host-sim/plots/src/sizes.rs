@@ -38,7 +38,14 @@ pub fn sizes(
     };
     axes.draw(&mut svg, sizes);
     let mut legend = Legend::right_of(PLOT);
-    legend.headline(&mut svg, "Maps");
+    draw_lines(&mut svg, &mut legend, &axes, lines);
+    legend.skip(6.0);
+    draw_levels(&mut svg, &mut legend, &axes, levels);
+    svg.finish(title, measure)
+}
+
+fn draw_lines(svg: &mut Svg, legend: &mut Legend, axes: &SizeAxes, lines: &[(String, Vec<f64>)]) {
+    legend.headline(svg, "Maps");
     for (index, (name, values)) in lines.iter().enumerate() {
         let color = color::class(index);
         let points: Vec<_> = values
@@ -50,21 +57,22 @@ pub fn sizes(
         for point in points {
             svg.circle(point, 3.2, &fill(color));
         }
-        legend.entry(&mut svg, name, |svg, [x, y]| {
+        legend.entry(svg, name, |svg, [x, y]| {
             svg.line([x - 11.0, y], [x + 11.0, y], &stroke(color, 2.6))
         });
     }
-    legend.skip(6.0);
-    legend.headline(&mut svg, "Without a map");
+}
+
+fn draw_levels(svg: &mut Svg, legend: &mut Legend, axes: &SizeAxes, levels: &[(String, f64)]) {
+    legend.headline(svg, "Without a map");
     for (index, (name, value)) in levels.iter().enumerate() {
         let dashes = ["6 4", "2 3", "10 3 2 3"][index % 3];
         let style = format!(r#"{} stroke-dasharray="{dashes}""#, stroke(INK, 1.6));
         svg.line(axes.at(0, *value), axes.at(axes.last, *value), &style);
-        legend.entry(&mut svg, name, |svg, [x, y]| {
+        legend.entry(svg, name, |svg, [x, y]| {
             svg.line([x - 11.0, y], [x + 11.0, y], &style)
         });
     }
-    svg.finish(title, measure)
 }
 
 /// Maps values to page coordinates.

@@ -92,7 +92,7 @@ mod tests {
     use arena::world::Pose;
 
     #[test]
-    fn a_wall_half_heard_ahead_pushes_back_by_hand() {
+    fn the_push_of_a_wall_ahead_matches_a_hand_computed_value() {
         let mut ranges = [None; 16];
         ranges[2] = Some(Range::from_mm(450));
         let perceived = Perception {

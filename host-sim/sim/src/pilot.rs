@@ -14,9 +14,9 @@ pub const MAX_MOVES: u16 = 1_000;
 /// The controller's state, with a larger memory than on the chip.
 pub type SimState = State<16, 16, { MAX_MOVES as usize }>;
 
-/// One echo, as a pilot receives it.
+/// An echo with its age, as a pilot receives it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct HeardEcho {
+pub struct AgedEcho {
     /// Transducer.
     pub sensor: u8,
     /// `None` = no echo.
@@ -25,7 +25,7 @@ pub struct HeardEcho {
     pub age_ms: u32,
 }
 
-impl HeardEcho {
+impl AgedEcho {
     /// An echo of age 0.
     #[must_use]
     pub fn now(sensor: u8, range: Option<Range>) -> Self {
@@ -44,14 +44,14 @@ pub trait Pilot {
 
     /// Handles echoes that are delivered together, in order, up to the first that causes a motion.
     /// Returns how many it handled, at least one, and their joint outputs.
-    fn echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> (usize, Outputs<16>) {
+    fn echoes(&mut self, at: Millis, echoes: &[AgedEcho]) -> (usize, Outputs<16>) {
         let mut all = Outputs::NONE;
         // As over a link: the current time is known before an old echo.
         if echoes.iter().any(|echo| echo.age_ms > 0) {
             all = self.handle(at, Event::Tick);
         }
         for (taken, echo) in (1..).zip(echoes) {
-            let HeardEcho { sensor, range, .. } = *echo;
+            let AgedEcho { sensor, range, .. } = *echo;
             let outputs = self.handle(at.minus_ms(echo.age_ms), Event::Echo { sensor, range });
             all.decision = all.decision.or(outputs.decision);
             all.mode_changed |= outputs.mode_changed;
@@ -85,7 +85,7 @@ impl<P: Pilot> Pilot for &mut P {
         (**self).handle(at, event)
     }
 
-    fn echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> (usize, Outputs<16>) {
+    fn echoes(&mut self, at: Millis, echoes: &[AgedEcho]) -> (usize, Outputs<16>) {
         (**self).echoes(at, echoes)
     }
 

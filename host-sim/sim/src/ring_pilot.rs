@@ -105,7 +105,7 @@ pub struct RingPilot<P> {
 }
 
 impl<P: Policy> RingPilot<P> {
-    /// Lets `policy` drive a Nomad 200; without a shield if it is `None`.
+    /// A pilot of a Nomad 200 that follows `policy`; without a shield if it is `None`.
     #[must_use]
     pub fn new(policy: P, shield: Option<ShieldConfig>) -> Self {
         Self {
@@ -168,7 +168,7 @@ impl<P: Policy> RingPilot<P> {
         let Some(allowed) = shorter else {
             return Outputs::NONE;
         };
-        // A base that has overrun its motion stands, as under the controller.
+        // A base that has overrun its motion stops, as under the controller.
         let left = remaining.rotated(active.turned.direction());
         let left_mm = if left.opposes(active.commanded) {
             0
@@ -188,7 +188,7 @@ impl<P: Policy> RingPilot<P> {
         }
     }
 
-    /// What the policy decides on; forgets the last motion.
+    /// The policy's input; ends the last motion.
     fn perception(&mut self) -> Perception {
         let ended = self.active.take();
         Perception {
@@ -206,26 +206,23 @@ impl<P: Policy> RingPilot<P> {
     /// Decides: the ring is complete and the base stands.
     fn decide(&mut self, now: Millis) -> Outputs<16> {
         let perception = self.perception();
-        let asked = self.policy.decide(&perception);
+        let requested = self.policy.decide(&perception);
         let millimeters = |meters: f64| libm::round(meters * 1e3) as i32;
-        let wanted = Displacement::saturating(millimeters(asked.x), millimeters(asked.y));
-        let (way, limit) = self.allowed_path(wanted, now);
-        let allowed = if limit.distance_mm >= way.length_mm() {
-            way
+        let wanted = Displacement::saturating(millimeters(requested.x), millimeters(requested.y));
+        let (path, limit) = self.allowed_path(wanted, now);
+        let allowed = if limit.distance_mm >= path.length_mm() {
+            path
         } else {
-            way.with_length(limit.distance_mm)
+            path.with_length(limit.distance_mm)
         };
-        if allowed != Displacement::ZERO {
-            self.blocked = 0;
-        } else if way != Displacement::ZERO {
-            self.blocked = self.blocked.wrapping_add(1);
-        }
-        self.motion = self.motion.wrapping_add(1);
-        (self.moving, self.touched) = (true, false);
-        self.scan.renew();
-        self.active = Some(ActiveMotion {
-            wanted: if way == wanted { asked } else { meters(way) },
-            commanded: way,
+        self.count_blocked(path, allowed);
+        let motion = self.begin(ActiveMotion {
+            wanted: if path == wanted {
+                requested
+            } else {
+                meters(path)
+            },
+            commanded: path,
             moved: Point::default(),
             remaining: Tracked::new(allowed),
             turned: Bearing::ZERO,
@@ -233,19 +230,37 @@ impl<P: Policy> RingPilot<P> {
         });
         Outputs {
             motion: Some(Motion {
-                id: self.motion,
+                id: motion,
                 displacement: allowed,
                 speed_mm_s: limit.speed_mm_s,
             }),
             decision: Some(Decision {
                 situation: self.config.encoding.situation(&self.scan),
                 plan: None,
-                wanted: way,
+                wanted: path,
                 allowed,
                 at_goal: false,
             }),
             ..Outputs::NONE
         }
+    }
+
+    /// Counts a decision whose path is blocked; any motion restarts the count.
+    fn count_blocked(&mut self, path: Displacement, allowed: Displacement) {
+        if allowed != Displacement::ZERO {
+            self.blocked = 0;
+        } else if path != Displacement::ZERO {
+            self.blocked = self.blocked.wrapping_add(1);
+        }
+    }
+
+    /// Begins a motion; returns its number.
+    fn begin(&mut self, active: ActiveMotion) -> u16 {
+        self.motion = self.motion.wrapping_add(1);
+        (self.moving, self.touched) = (true, false);
+        self.scan.renew();
+        self.active = Some(active);
+        self.motion
     }
 
     /// The displacement that the shield tries instead of `wanted`, and how far it may go.

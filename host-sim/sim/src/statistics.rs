@@ -36,42 +36,53 @@ pub fn bootstrap_of<const COLUMNS: usize>(
     worlds: &[Vec<[f64; COLUMNS]>],
     statistic: impl Fn([f64; COLUMNS], f64) -> f64,
 ) -> Mean {
-    let value_of = |sums: [f64; COLUMNS], count: usize| statistic(sums, count.max(1) as f64);
-    let add = |sums: &mut [f64; COLUMNS], row: &[f64; COLUMNS]| {
-        for (sum, value) in sums.iter_mut().zip(row) {
-            *sum += value;
-        }
-    };
+    let value_of = |(sums, count): Sums<COLUMNS>| statistic(sums, count.max(1) as f64);
     let mut noise = Noise::new(1);
     let mut values: Vec<f64> = (0..DRAWS)
-        .map(|_| {
-            let (mut sums, mut count) = ([0.0; COLUMNS], 0);
-            for _ in worlds {
-                let Some(world) = worlds.get(noise.index(worlds.len())) else {
-                    continue;
-                };
-                for _ in world {
-                    if let Some(row) = world.get(noise.index(world.len())) {
-                        add(&mut sums, row);
-                    }
-                    count += 1;
-                }
-            }
-            value_of(sums, count)
-        })
+        .map(|_| value_of(resample(worlds, &mut noise)))
         .collect();
     values.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        let index = (share * (DRAWS - 1) as f64) as usize;
-        values.get(index).copied().unwrap_or(0.0)
-    };
-    let mut sums = [0.0; COLUMNS];
-    let rows = worlds.iter().flatten();
-    rows.clone().for_each(|row| add(&mut sums, row));
+    let mut all = ([0.0; COLUMNS], 0);
+    worlds.iter().flatten().for_each(|row| add(&mut all, row));
     Mean {
-        mean: value_of(sums, rows.count()),
-        interval: [at(0.025), at(0.975)],
+        mean: value_of(all),
+        interval: [quantile(&values, 0.025), quantile(&values, 0.975)],
     }
+}
+
+/// Sums of the columns, and number of rows.
+type Sums<const COLUMNS: usize> = ([f64; COLUMNS], usize);
+
+fn add<const COLUMNS: usize>((sums, count): &mut Sums<COLUMNS>, row: &[f64; COLUMNS]) {
+    for (sum, value) in sums.iter_mut().zip(row) {
+        *sum += value;
+    }
+    *count += 1;
+}
+
+/// Draws worlds with replacement, and rows with replacement within each.
+fn resample<const COLUMNS: usize>(
+    worlds: &[Vec<[f64; COLUMNS]>],
+    noise: &mut Noise,
+) -> Sums<COLUMNS> {
+    let mut sums = ([0.0; COLUMNS], 0);
+    for _ in worlds {
+        let Some(world) = worlds.get(noise.index(worlds.len())) else {
+            continue;
+        };
+        for _ in world {
+            if let Some(row) = world.get(noise.index(world.len())) {
+                add(&mut sums, row);
+            }
+        }
+    }
+    sums
+}
+
+/// The value at this share of a sorted sample; 0 without values.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let index = (share * (DRAWS - 1) as f64) as usize;
+    sorted.get(index).copied().unwrap_or(0.0)
 }
 
 /// The mean; 0 without values.

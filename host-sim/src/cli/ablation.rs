@@ -72,19 +72,7 @@ const BEHAVIOR_SEEDS: u32 = 5;
 /// # Errors
 /// When no row matches `--only`, an episode fails, or the pipe is closed.
 pub fn ablation(args: &AblationArgs, out: &mut impl Write) -> Result<(), CliError> {
-    let mut chosen = if args.behaviors {
-        behavior_variants()?
-    } else {
-        variants()?
-    };
-    if let Some(text) = &args.only {
-        chosen.retain(|variant| variant.name.contains(text.as_str()));
-        if chosen.is_empty() {
-            return Err(
-                BadInput::new(format!("--only \"{text}\": no row has this in its name")).into(),
-            );
-        }
-    }
+    let chosen = chosen_variants(args)?;
     let progress = bar(chosen.len() as u64, "rows");
     let mut rows = Vec::new();
     for variant in &chosen {
@@ -112,6 +100,22 @@ pub fn ablation(args: &AblationArgs, out: &mut impl Write) -> Result<(), CliErro
         table::plain
     }(&heads, &rows, &right);
     Ok(out.write_all(text.as_bytes())?)
+}
+
+fn chosen_variants(args: &AblationArgs) -> Result<Vec<Variant>, BadInput> {
+    let mut chosen = if args.behaviors {
+        behavior_variants()?
+    } else {
+        variants()?
+    };
+    if let Some(text) = &args.only {
+        chosen.retain(|variant| variant.name.contains(text.as_str()));
+        if chosen.is_empty() {
+            let why = format!("--only \"{text}\": no row has this in its name");
+            return Err(BadInput::new(why));
+        }
+    }
+    Ok(chosen)
 }
 
 fn avoidance_row(

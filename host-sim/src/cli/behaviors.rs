@@ -107,7 +107,17 @@ pub fn behaviors(args: &BehaviorsArgs, out: &mut impl Write) -> Result<(), CliEr
         table::plain
     }(heads, &rows, right);
     out.write_all(text.as_bytes())?;
-    let (worlds, seeds) = (bare.worlds, bare.seeds);
+    print_notes(&bare, short, out)?;
+    match &args.out {
+        Some(dir) => pictures(&scenes, &shielded, dir, out),
+        None if short => Ok(writeln!(out, "Pictures: host-sim behaviors --out DIR")?),
+        None => Ok(()),
+    }
+}
+
+/// The size of the measurement, and how to repeat a short one as a whole.
+fn print_notes(trial: &BehaviorTrial, short: bool, out: &mut impl Write) -> Result<(), CliError> {
+    let (worlds, seeds) = (trial.worlds, trial.seeds);
     writeln!(
         out,
         "\nMean [95 % interval] of {worlds} worlds × {seeds} seeds, each with its own 100 random moves."
@@ -119,11 +129,7 @@ pub fn behaviors(args: &BehaviorsArgs, out: &mut impl Write) -> Result<(), CliEr
             "Every scene, with more episodes: host-sim behaviors --worlds {worlds} --seeds {seeds}"
         )?;
     }
-    match &args.out {
-        Some(dir) => pictures(&scenes, &shielded, dir, out),
-        None if short => Ok(writeln!(out, "Pictures: host-sim behaviors --out DIR")?),
-        None => Ok(()),
-    }
+    Ok(())
 }
 
 fn chosen(only: Option<&str>) -> Result<Vec<&'static BehaviorScene>, BadInput> {

@@ -163,22 +163,7 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), CliError> {
         ..args.setup()?
     };
     let sources = sources(&args.worlds)?;
-    if let Some(file) = &args.save
-        && (sources.len() > 1 || args.mind.choice != MindChoice::Host)
-    {
-        return Err(BadInput::new(format!(
-            "--save {}: only the controller in this process, of one world (a chip's: host-sim link … download)",
-            file.display()
-        ))
-        .into());
-    }
-    if let (Some(path), true) = (&args.log, sources.len() != 1) {
-        let what = format!(
-            "a log holds one episode, not one of each of {} worlds",
-            sources.len()
-        );
-        return Err(BadInput::file(path, what).into());
-    }
+    check_outputs(args, sources.len())?;
     let remote = Remote::connect(&args.mind, setup.explore_moves)?;
     if let Some(dir) = &args.out {
         prepare(dir)?;
@@ -204,6 +189,23 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), CliError> {
         count => format!("{count} episodes"),
     };
     eprintln!("{episodes} in {:.2} s", began.elapsed().as_secs_f64());
+    Ok(())
+}
+
+/// Refuses a controller's file or a log for more than one world.
+fn check_outputs(args: &RunArgs, worlds: usize) -> Result<(), BadInput> {
+    if let Some(file) = &args.save
+        && (worlds > 1 || args.mind.choice != MindChoice::Host)
+    {
+        return Err(BadInput::new(format!(
+            "--save {}: only the controller in this process, of one world (a chip's: host-sim link … download)",
+            file.display()
+        )));
+    }
+    if let (Some(path), true) = (&args.log, worlds != 1) {
+        let what = format!("a log holds one episode, not one of each of {worlds} worlds");
+        return Err(BadInput::file(path, what));
+    }
     Ok(())
 }
 

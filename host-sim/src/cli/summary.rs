@@ -66,19 +66,23 @@ pub(super) fn table(reports: &[EpisodeReport]) -> String {
             }
         }
         rows.push(cells("mean", &means));
-        let clean = reports.iter().filter(|report| report.contacts == 0).count();
-        let untouched = reports
-            .iter()
-            .filter(|report| report.explore_contacts == 0)
-            .count();
-        tail = format!(
-            "\n{clean} of {} worlds without contact while seeking ({:.1} %), {untouched} without contact while exploring\n",
-            reports.len(),
-            100.0 * clean as f64 / count
-        );
+        tail = worlds_without_contact(reports);
     }
     let right: Vec<_> = (1..heads.len()).collect();
     plain(&heads, &rows, &right) + &tail
+}
+
+fn worlds_without_contact(reports: &[EpisodeReport]) -> String {
+    let clean = reports.iter().filter(|report| report.contacts == 0).count();
+    let untouched = reports
+        .iter()
+        .filter(|report| report.explore_contacts == 0)
+        .count();
+    format!(
+        "\n{clean} of {} worlds without contact while seeking ({:.1} %), {untouched} without contact while exploring\n",
+        reports.len(),
+        100.0 * clean as f64 / reports.len() as f64
+    )
 }
 
 fn figures(report: &EpisodeReport) -> [f64; 9] {

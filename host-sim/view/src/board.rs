@@ -9,7 +9,7 @@ use super::command::{CommandOutcome, PageCommand};
 use super::configure::knowledge_file;
 use super::dto::KnowledgeParts;
 use super::goal::ActiveGoal;
-use super::history::{History, mark};
+use super::history::{History, history_entry};
 use super::snapshot::{DriveCounts, PartMessage, SceneDto, Snapshot, SnapshotPart};
 use super::source::{Capabilities, CommandRefused, StepOutcome, ViewSource};
 use amp::config::Config;
@@ -172,8 +172,14 @@ impl WatchedBoard {
         self.counts.at_goal += u32::from(seeking && flags.at_goal);
         self.counts.shielded += u32::from(seeking && flags.shielded);
         let place = Point::default();
-        self.trail
-            .push(mark(self.time_s, place, seeking, flags, neuron, None));
+        self.trail.push(history_entry(
+            self.time_s,
+            place,
+            seeking,
+            flags,
+            neuron,
+            None,
+        ));
     }
 
     /// Starts the next part of a chain when the current one is reached; stops after the last.

@@ -5,6 +5,7 @@ use super::snapshot::{
 };
 use amp::action_map::Effect;
 use amp::config::Config;
+use amp::controller::Decision;
 use amp::fixed::{Scalar, to_weight16};
 use amp::memory::{Sample, from_bytes};
 use amp::planner::{Plan, difference};
@@ -53,12 +54,12 @@ impl KnowledgeParts {
             self.samples = samples.len();
         }
         let maps = self.maps.get_or_insert_with(|| {
-            let seen = if learned {
+            let value = if learned {
                 maps(known, config)
             } else {
                 Maps::default()
             };
-            Arc::new(SnapshotPart::new("maps", 0, revision, seen))
+            Arc::new(SnapshotPart::new("maps", 0, revision, value))
         });
         let memory = self.memory.get_or_insert_with(|| {
             let rows = samples.iter().map(row).collect();
@@ -88,7 +89,7 @@ fn maps(known: &SimState, config: &Config<16>) -> Maps {
         .memory()
         .samples()
         .iter()
-        .map(|sample| answering(known, config, sample))
+        .map(|sample| best_neurons(known, config, sample))
         .collect();
     let hits = |map: usize| {
         let mut hits = vec![0; 16];
@@ -114,22 +115,24 @@ fn maps(known: &SimState, config: &Config<16>) -> Maps {
 }
 
 /// The best neurons for a sample in both maps.
-fn answering(known: &SimState, config: &Config<16>, sample: &Sample<16>) -> [usize; 2] {
-    let ((before, believed), (after, too)) =
-        (from_bytes(&sample.before), from_bytes(&sample.after));
-    let taught = match config.learning.learn_from {
+fn best_neurons(known: &SimState, config: &Config<16>, sample: &Sample<16>) -> [usize; 2] {
+    let (before, mask_before) = from_bytes(&sample.before);
+    let (after, mask_after) = from_bytes(&sample.after);
+    let displacement = match config.learning.learn_from {
         amp::config::LearnFrom::Commanded => sample.commanded,
         amp::config::LearnFrom::Executed => sample.executed,
     };
     let effect = Effect {
         change: difference(&after, &before),
-        action: config.action_code.encode(taught, config.robot.step_mm),
-        mask: believed.and(too),
+        action: config
+            .action_code
+            .encode(displacement, config.robot.step_mm),
+        mask: mask_before.and(mask_after),
     };
     let action = known
         .actions()
         .bmu(&effect, config.learning.action_weight_q8);
-    [known.situations().bmu(&after, too), action]
+    [known.situations().bmu(&after, mask_after), action]
 }
 
 fn map_dto(map: &Som<16, 16>, hits: Vec<u32>) -> MapDto {
@@ -228,8 +231,15 @@ pub(super) fn millimeters(mm: u16) -> Rounded {
     Rounded(f64::from(mm) / 1e3)
 }
 
-pub(super) fn meters(way: Displacement) -> Xy {
-    [way.dx_mm, way.dy_mm].map(|mm| Rounded(f64::from(mm) / 1e3))
+/// The wanted and the allowed displacement of a decision; zero without one.
+pub(super) fn displacements(decision: Option<&Decision<16>>) -> [Xy; 2] {
+    decision.map_or_else(Default::default, |decision| {
+        [decision.wanted, decision.allowed].map(meters)
+    })
+}
+
+pub(super) fn meters(displacement: Displacement) -> Xy {
+    [displacement.dx_mm, displacement.dy_mm].map(|mm| Rounded(f64::from(mm) / 1e3))
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Places of echoes, shown where the surroundings are not known.
 
 use super::history::Chunks;
-use super::snapshot::{MAX_PIECES, PIECE, PartMessage, Rounded, Xy};
+use super::snapshot::{CHUNK_LENGTH, MAX_CHUNKS, PartMessage, Rounded, Xy};
 use arena::sonar::RingGeometry;
 use arena::world::{Point, Pose};
 use std::collections::BTreeSet;
@@ -11,11 +11,11 @@ use std::sync::Arc;
 /// Places nearer than this count as one, m.
 const CELL_M: f64 = 0.05;
 /// Farther echoes are imprecise: at 2.5 m a lobe of 25° is more than a meter wide.
-const FARTHEST_M: f64 = 2.5;
+const MAX_RANGE_M: f64 = 2.5;
 
 /// Places of echoes.
 pub(super) struct EchoTrail {
-    pieces: Chunks<Xy>,
+    chunks: Chunks<Xy>,
     cells: BTreeSet<[i32; 2]>,
 }
 
@@ -23,7 +23,7 @@ impl EchoTrail {
     /// No places.
     pub fn new() -> Self {
         Self {
-            pieces: Chunks::new("heard", MAX_PIECES),
+            chunks: Chunks::new("heard", MAX_CHUNKS),
             cells: BTreeSet::new(),
         }
     }
@@ -31,14 +31,14 @@ impl EchoTrail {
     /// No places, after a restart.
     pub fn restarted(&self) -> Self {
         Self {
-            pieces: self.pieces.restarted(),
+            chunks: self.chunks.restarted(),
             cells: BTreeSet::new(),
         }
     }
 
     /// Adds an echo in front of a transducer, with the ring in this pose.
     pub fn add(&mut self, ring: Pose, sensor: usize, range_m: f64) {
-        if range_m > FARTHEST_M {
+        if range_m > MAX_RANGE_M {
             return;
         }
         let geometry = RingGeometry::default();
@@ -46,22 +46,22 @@ impl EchoTrail {
         let place = ring.position + way * (geometry.face_radius_m + range_m);
         let cell = [place.x, place.y].map(|m| libm::floor(m / CELL_M) as i32);
         // The oldest places are discarded and may be added again.
-        if self.cells.len() >= MAX_PIECES * PIECE {
+        if self.cells.len() >= MAX_CHUNKS * CHUNK_LENGTH {
             self.cells.clear();
         }
         if self.cells.insert(cell) {
-            self.pieces.push([place.x, place.y].map(Rounded));
+            self.chunks.push([place.x, place.y].map(Rounded));
         }
     }
 
     /// First and last chunk.
     pub fn ends(&self) -> [u64; 2] {
-        self.pieces.ends()
+        self.chunks.ends()
     }
 
     /// All chunks.
     pub fn parts(&self) -> impl Iterator<Item = Arc<dyn PartMessage>> + '_ {
-        self.pieces.parts()
+        self.chunks.parts()
     }
 }
 

@@ -16,12 +16,12 @@ use sim::pilot::SimState;
 /// The goal and its origin.
 #[derive(Debug, Clone)]
 pub(super) struct ActiveGoal {
-    what: GoalKind,
+    kind: GoalKind,
     /// Part of a chain; steps and goal steps when it began.
     part: usize,
     begun: [u32; 2],
     /// The last part of a chain is reached.
-    over: bool,
+    is_complete: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -34,12 +34,12 @@ enum GoalKind {
 }
 
 impl ActiveGoal {
-    fn new(what: GoalKind) -> Self {
+    fn new(kind: GoalKind) -> Self {
         Self {
-            what,
+            kind,
             part: 0,
             begun: [0; 2],
-            over: false,
+            is_complete: false,
         }
     }
 
@@ -66,14 +66,14 @@ impl ActiveGoal {
 
     /// Starts with the first part, at these counts of steps.
     pub fn begin(&mut self, steps: u32, goal_steps: u32) {
-        (self.part, self.begun, self.over) = (0, [steps, goal_steps], false);
+        (self.part, self.begun, self.is_complete) = (0, [steps, goal_steps], false);
     }
 
     /// Advances to the next part of a chain if the current one is reached; `Some(false)` after the
     /// last.
     pub fn advance(&mut self, steps: u32, goal_steps: u32) -> Option<bool> {
         let parts = self.as_behavior()?.parts();
-        let chained = parts.len() > 1 && !self.over;
+        let chained = parts.len() > 1 && !self.is_complete;
         let part = parts.get(self.part).filter(|_| chained)?;
         let since = |now: u32, then: u32| now.saturating_sub(then);
         let [began, held] = self.begun;
@@ -81,7 +81,7 @@ impl ActiveGoal {
             return None;
         }
         if self.part + 1 == parts.len() {
-            self.over = true;
+            self.is_complete = true;
             return Some(false);
         }
         (self.part, self.begun) = (self.part + 1, [steps, goal_steps]);
@@ -90,7 +90,7 @@ impl ActiveGoal {
 
     /// Its name.
     pub fn name(&self) -> String {
-        match &self.what {
+        match &self.kind {
             GoalKind::Behavior(behavior) => behavior.name(),
             GoalKind::Situation(_, name, ..) => name.clone(),
             GoalKind::Goal(_) => "a situation".to_owned(),
@@ -99,7 +99,7 @@ impl ActiveGoal {
 
     /// The behavior, if it is one.
     pub fn as_behavior(&self) -> Option<&Behavior> {
-        match &self.what {
+        match &self.kind {
             GoalKind::Behavior(behavior) => Some(behavior),
             GoalKind::Situation(..) | GoalKind::Goal(_) => None,
         }
@@ -154,7 +154,7 @@ impl ActiveGoal {
     /// # Errors
     /// Why there is none.
     pub fn save(&self, config: &Config<16>) -> Result<CommandOutcome, CommandRefused> {
-        let GoalKind::Situation(situation, _, _, place) = &self.what else {
+        let GoalKind::Situation(situation, _, _, place) = &self.kind else {
             return Err("this goal has a name, not a situation: it needs no file".into());
         };
         let Some(place) = place else {
@@ -176,7 +176,7 @@ impl ActiveGoal {
 
     /// The goal situation; `nest` is the situation before the first move.
     pub fn goal(&self, config: &Config<16>, nest: &Situation<16>) -> Goal<16> {
-        match &self.what {
+        match &self.kind {
             GoalKind::Behavior(behavior) => {
                 let part = behavior.parts().get(self.part);
                 part.unwrap_or(behavior).goal(config, nest)
@@ -188,11 +188,11 @@ impl ActiveGoal {
 
     pub fn to_dto(&self, config: &Config<16>, nest: &Situation<16>, start: Point) -> GoalDto {
         let goal = self.goal(config, nest);
-        let asked = goal.components.iter().map(|component| {
+        let bounds = goal.components.iter().map(|component| {
             let ends = [component.low, component.high].map(|end| Rounded(end.to_num()));
             (component.weight > 0).then_some(ends)
         });
-        let (neuron, place) = match &self.what {
+        let (neuron, place) = match &self.kind {
             GoalKind::Behavior(behavior) => (None, behavior.place(start)),
             GoalKind::Situation(_, _, neuron, place) => (*neuron, *place),
             GoalKind::Goal(_) => (None, None),
@@ -203,7 +203,7 @@ impl ActiveGoal {
         GoalDto {
             name: self.name(),
             part: (parts > 1).then_some(self.part),
-            asked: asked.collect(),
+            bounds: bounds.collect(),
             travels: goal.frame == GoalFrame::Travel,
             neuron,
             place: place.map(|place| [place.x, place.y].map(Rounded)),

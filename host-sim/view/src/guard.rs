@@ -47,10 +47,10 @@ impl std::fmt::Debug for Token {
 pub fn admits(listening: SocketAddr, host: Option<&str>, origin: Option<&str>) -> bool {
     let Some(host) = host else { return false };
     let own = origin.is_none_or(|origin| origin.strip_prefix("http://") == Some(host));
-    own && names_us(listening, host)
+    own && names_this_server(listening, host)
 }
 
-fn names_us(listening: SocketAddr, host: &str) -> bool {
+fn names_this_server(listening: SocketAddr, host: &str) -> bool {
     let port = listening.port();
     let name = match host.strip_suffix(&format!(":{port}")) {
         Some(name) => name,

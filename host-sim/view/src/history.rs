@@ -1,6 +1,6 @@
 //! Growing lists in chunks: a full chunk never changes, so it is sent once.
 
-use super::snapshot::{HistoryEntry, MAX_PIECES, PIECE, PartMessage, Rounded, SnapshotPart};
+use super::snapshot::{CHUNK_LENGTH, HistoryEntry, MAX_CHUNKS, PartMessage, Rounded, SnapshotPart};
 use arena::world::Point;
 use serde::Serialize;
 use sim::episode::StepFlags;
@@ -17,20 +17,20 @@ pub(super) struct Chunks<T> {
     /// Number of the first chunk since the start.
     began: u64,
     /// Maximum number of full chunks; older ones are discarded.
-    most: usize,
+    max_full: usize,
     revision: u64,
 }
 
 impl<T: Serialize + Clone + Send + Sync + 'static> Chunks<T> {
-    /// An empty list that keeps `most` full chunks.
-    pub fn new(name: &'static str, most: usize) -> Self {
+    /// An empty list of at most `max_full` full chunks.
+    pub fn new(name: &'static str, max_full: usize) -> Self {
         Self {
             name,
             full: VecDeque::new(),
             last: Vec::new(),
             number: 0,
             began: 0,
-            most,
+            max_full,
             revision: 0,
         }
     }
@@ -41,20 +41,20 @@ impl<T: Serialize + Clone + Send + Sync + 'static> Chunks<T> {
             number: self.number + 1,
             began: self.number + 1,
             revision: self.revision + 1,
-            ..Self::new(self.name, self.most)
+            ..Self::new(self.name, self.max_full)
         }
     }
 
     /// Adds an item.
-    pub fn push(&mut self, thing: T) {
-        self.last.push(thing);
+    pub fn push(&mut self, item: T) {
+        self.last.push(item);
         self.revision += 1;
-        if self.last.len() >= PIECE {
+        if self.last.len() >= CHUNK_LENGTH {
             self.fill();
         }
     }
 
-    /// Begins a new start and keeps the chunks of earlier ones.
+    /// Begins a new start; the chunks of earlier ones stay.
     pub fn begin(&mut self) {
         if !self.last.is_empty() {
             self.revision += 1;
@@ -64,17 +64,17 @@ impl<T: Serialize + Clone + Send + Sync + 'static> Chunks<T> {
     }
 
     fn fill(&mut self) {
-        let things = std::mem::take(&mut self.last);
-        let part = SnapshotPart::new(self.name, self.number, self.revision, things);
+        let items = std::mem::take(&mut self.last);
+        let part = SnapshotPart::new(self.name, self.number, self.revision, items);
         self.full.push_back(Arc::new(part));
         self.number += 1;
-        if self.full.len() > self.most {
+        if self.full.len() > self.max_full {
             self.full.pop_front();
             self.began = self.began.max(self.number - self.full.len() as u64);
         }
     }
 
-    /// First kept chunk of this start, and last chunk.
+    /// First chunk since the start, and last chunk.
     pub fn ends(&self) -> [u64; 2] {
         [self.began, self.number]
     }
@@ -98,12 +98,12 @@ impl History {
 
     /// Keeps the latest 6400 decisions.
     pub fn latest() -> Self {
-        Self::new("trail", MAX_PIECES)
+        Self::new("trail", MAX_CHUNKS)
     }
 }
 
 /// The entry of a decision that ended at `time_s` at `place`.
-pub(super) fn mark(
+pub(super) fn history_entry(
     time_s: f64,
     place: Point,
     seeking: bool,
@@ -133,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn full_pieces_stay_and_the_oldest_are_forgotten() {
+    fn full_chunks_stay_and_the_oldest_are_discarded() {
         let mut trail = History::latest();
         let add = |trail: &mut History| {
             let flags = StepFlags {
@@ -141,17 +141,24 @@ mod tests {
                 at_goal: true,
                 ..StepFlags::default()
             };
-            trail.push(mark(1.0, Point::new(2.0, 3.0), true, flags, Some(4), None));
+            trail.push(history_entry(
+                1.0,
+                Point::new(2.0, 3.0),
+                true,
+                flags,
+                Some(4),
+                None,
+            ));
         };
         add(&mut trail);
         let text = trail.parts().next().unwrap().text();
         assert!(text.contains("[1.0,2.0,3.0,1,5,4,-1.0]"), "{text}");
-        for _ in 1..PIECE * (MAX_PIECES + 2) {
+        for _ in 1..CHUNK_LENGTH * (MAX_CHUNKS + 2) {
             add(&mut trail);
         }
         let keys: Vec<_> = trail.parts().map(|part| part.key().1).collect();
-        assert_eq!(keys.len(), MAX_PIECES + 1);
-        assert_eq!([keys[0], keys[MAX_PIECES]], trail.ends());
+        assert_eq!(keys.len(), MAX_CHUNKS + 1);
+        assert_eq!([keys[0], keys[MAX_CHUNKS]], trail.ends());
         let next = trail.restarted();
         assert!(next.ends()[0] > trail.ends()[1]);
         assert_eq!(next.parts().count(), 1);

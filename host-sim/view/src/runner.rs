@@ -200,7 +200,7 @@ mod tests {
         assert!(runner.execute(&PageCommand::Explore).is_err());
         assert_eq!(runner.advance(at(700)), None);
         assert_eq!(runner.execute(&PageCommand::Step), Ok(CommandOutcome::Done));
-        assert!(runner.show(at(800)).unwrap().now.pace.paused);
+        assert!(runner.show(at(800)).unwrap().now.playback.paused);
     }
 
     #[test]

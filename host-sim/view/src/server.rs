@@ -118,17 +118,17 @@ pub struct ServeOptions {
 /// # Errors
 /// When threads or sockets fail, or the source cannot be shut down.
 pub fn serve(
-    door: BoundServer,
+    server: BoundServer,
     source: Box<dyn ViewSource>,
     options: ServeOptions,
     ended: Arc<AtomicBool>,
 ) -> Result<(), BadInput> {
     let refuse =
         |error: std::io::Error| BadInput::new(format!("the view cannot be served: {error}"));
-    let (commands, asked) = sync_channel(MAX_COMMANDS);
+    let (commands, queued) = sync_channel(MAX_COMMANDS);
     let (show, latest) = watch::channel(Parts::default());
     let runner = Runner::new(source, options.speed);
-    let lock = Arc::new(Mutex::new(ControlLock::new(door.token)));
+    let lock = Arc::new(Mutex::new(ControlLock::new(server.token)));
     let steering = SteeringMonitor {
         lock: Arc::clone(&lock),
         timeout: options.steering_timeout,
@@ -136,7 +136,7 @@ pub fn serve(
     let (done, over) = oneshot::channel();
     let robot = std::thread::Builder::new().name("robot".to_owned());
     let robot = robot.spawn(move || {
-        let end = run(runner, &steering, &asked, &show, &ended);
+        let end = run(runner, &steering, &queued, &show, &ended);
         // The receiver may be gone.
         let _ = done.send(());
         end
@@ -146,10 +146,10 @@ pub fn serve(
         latest,
         commands,
         lock_changes: watch::channel(0).0,
-        listening: door.address,
+        listening: server.address,
         lock,
     });
-    serve_pages(door.listener, shared, over).map_err(refuse)?;
+    serve_pages(server.listener, shared, over).map_err(refuse)?;
     // A panic there is a bug, and was already printed.
     robot.join().unwrap_or(Ok(())).map_err(BadInput::new)
 }
@@ -194,12 +194,12 @@ impl SteeringMonitor {
 fn run(
     mut runner: Runner,
     steering: &SteeringMonitor,
-    asked: &Receiver<PendingCommand>,
+    commands: &Receiver<PendingCommand>,
     show: &watch::Sender<Parts>,
     ended: &AtomicBool,
 ) -> Result<(), String> {
     let began = Instant::now();
-    let mut watched = 0;
+    let mut last_viewers = 0;
     loop {
         if ended.load(Ordering::Relaxed) {
             return runner.end();
@@ -209,38 +209,44 @@ fn run(
         }
         let next = runner.advance(began.elapsed());
         let viewers = show.receiver_count() - 1;
-        if viewers > watched {
+        if viewers > last_viewers {
             runner.refresh();
         }
-        watched = viewers;
-        let mut until_shown = None;
-        if viewers > 0 {
-            if let Some(snapshot) = runner.show(began.elapsed()) {
-                show.send_replace(Arc::new(snapshot.into_parts()));
-            }
-            until_shown = runner.until_shown(began.elapsed());
-        }
+        last_viewers = viewers;
+        let until_shown = match viewers {
+            0 => None,
+            _ => publish(&mut runner, show, began),
+        };
         // Also while idle, because a viewer may connect.
         let idle = Duration::from_millis(200);
         let wait = next
             .unwrap_or(idle)
             .min(until_shown.unwrap_or(idle))
             .min(idle);
-        match asked.recv_timeout(wait) {
-            Ok(command) => execute_all(&mut runner, command, asked),
+        match commands.recv_timeout(wait) {
+            Ok(command) => execute_all(&mut runner, command, commands),
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => return runner.end(),
         }
     }
 }
 
-/// Executes a command and all that wait behind it.
-fn execute_all(runner: &mut Runner, first: PendingCommand, asked: &Receiver<PendingCommand>) {
+/// Publishes a snapshot if one is due. Returns the time until the next one; `None` = nothing has
+/// changed.
+fn publish(runner: &mut Runner, show: &watch::Sender<Parts>, began: Instant) -> Option<Duration> {
+    if let Some(snapshot) = runner.show(began.elapsed()) {
+        show.send_replace(Arc::new(snapshot.into_parts()));
+    }
+    runner.until_shown(began.elapsed())
+}
+
+/// Executes a command and all queued ones.
+fn execute_all(runner: &mut Runner, first: PendingCommand, queued: &Receiver<PendingCommand>) {
     let mut next = Some(first);
     while let Some(PendingCommand { command, answer }) = next {
         // The sender may be gone.
         let _ = answer.send(runner.execute(&command));
-        next = asked.try_recv().ok();
+        next = queued.try_recv().ok();
     }
 }
 
@@ -290,5 +296,5 @@ async fn socket(State(shared): State<Arc<ServerState>>, request: Request) -> Res
     let guard = viewer::ViewerGuard::new(Arc::clone(&shared), id);
     upgrade
         .max_message_size(MAX_MESSAGE_BYTES)
-        .on_upgrade(move |socket| viewer::attend(socket, shared, guard))
+        .on_upgrade(move |socket| viewer::serve_viewer(socket, shared, guard))
 }

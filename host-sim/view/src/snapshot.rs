@@ -8,9 +8,9 @@ use serde::{Serialize, Serializer};
 use std::sync::{Arc, OnceLock};
 
 /// Decisions per chunk.
-pub const PIECE: usize = 64;
+pub const CHUNK_LENGTH: usize = 64;
 /// Maximum number of chunks.
-pub const MAX_PIECES: usize = 100;
+pub const MAX_CHUNKS: usize = 100;
 
 /// A value that is sent with four decimals.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -121,8 +121,8 @@ pub struct Snapshot {
 
 impl Snapshot {
     /// Sets the state of the playback clock.
-    pub fn set_playback(&mut self, pace: PlaybackDto) {
-        self.now.pace = pace;
+    pub fn set_playback(&mut self, playback: PlaybackDto) {
+        self.now.playback = playback;
     }
 
     /// All parts; the history comes last, because it may be long.
@@ -166,7 +166,8 @@ pub struct SceneDto {
     /// Random moves of an exploration.
     pub moves: u16,
     /// Name of the controller.
-    pub mind: String,
+    #[serde(rename = "mind")]
+    pub controller: String,
     /// The action comes from the paper's four steps, not from look-ahead.
     pub recalls: bool,
     /// What the source can do.
@@ -183,7 +184,7 @@ pub struct SceneDto {
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ShapeDto {
-    /// A chain of straight pieces.
+    /// A chain of straight segments.
     Wall(Vec<Xy>),
     /// The corners of a box, which can be moved.
     Box(Vec<Xy>),
@@ -244,7 +245,8 @@ pub struct LiveState {
     /// Pose: x, y and the ring's bearing (m, rad).
     pub pose: [Rounded; 3],
     /// Pose at the time of the ring.
-    pub heard_at: [Rounded; 3],
+    #[serde(rename = "heard_at")]
+    pub scan_pose: [Rounded; 3],
     /// Mode: `idle`, `explore`, `learn`, `seek`, `stopped`, `failed`.
     pub mode: &'static str,
     /// Why the source failed.
@@ -254,11 +256,13 @@ pub struct LiveState {
     /// An interrupted activity can be resumed.
     pub resumes: bool,
     /// Progress of exploring or learning, 0 to 1.
-    pub done: Rounded,
+    #[serde(rename = "done")]
+    pub progress: Rounded,
     /// Latest ranges, meters.
     pub ranges_m: [Option<Rounded>; 16],
-    /// Transducers that are on.
-    pub on: [bool; 16],
+    /// Transducers that are enabled.
+    #[serde(rename = "on")]
+    pub enabled: [bool; 16],
     /// Situation of the latest decision; the current one at rest.
     pub situation: RingValues,
     /// Change of situation by the latest move.
@@ -284,13 +288,15 @@ pub struct LiveState {
     /// Addresses of a remote controller or robot.
     pub link: Option<String>,
     /// State of the playback clock.
-    pub pace: PlaybackDto,
-    /// First kept chunk of this start, and last chunk, of the history.
+    #[serde(rename = "pace")]
+    pub playback: PlaybackDto,
+    /// First and last chunk of the history since the start.
     pub trail: [u64; 2],
     /// Number of decisions before the current position; `None` = all.
     pub at: Option<usize>,
     /// First and last chunk of the places of echoes.
-    pub heard: [u64; 2],
+    #[serde(rename = "heard")]
+    pub echo_trail: [u64; 2],
 }
 
 /// State of the playback clock.
@@ -335,7 +341,8 @@ pub struct GoalDto {
     /// Index of the part of a chain; `None` for other goals.
     pub part: Option<usize>,
     /// Bounds for each transducer; `None` = any value.
-    pub asked: Vec<Option<[Rounded; 2]>>,
+    #[serde(rename = "asked")]
+    pub bounds: Vec<Option<[Rounded; 2]>>,
     /// Components count from the direction of travel.
     pub travels: bool,
     /// The neuron of the situation.

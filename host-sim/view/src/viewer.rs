@@ -3,7 +3,7 @@
 use super::command::{CommandOutcome, NumberedCommand, PageCommand, Reply};
 use super::control_lock::{ControlLockError, ViewerId};
 use super::server::{Parts, PendingCommand, ServerState};
-use super::snapshot::message;
+use super::snapshot::{PartMessage, message};
 use axum::extract::ws::{Message, WebSocket};
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt as _, StreamExt as _};
@@ -52,7 +52,7 @@ impl Drop for ViewerGuard {
 }
 
 /// Serves a viewer until it disconnects.
-pub(super) async fn attend(socket: WebSocket, shared: Arc<ServerState>, guard: ViewerGuard) {
+pub(super) async fn serve_viewer(socket: WebSocket, shared: Arc<ServerState>, guard: ViewerGuard) {
     let (outgoing, incoming) = socket.split();
     let (reply, replies) = mpsc::channel(MAX_REPLIES);
     let latest = shared.latest.clone();
@@ -74,12 +74,12 @@ struct LockDto {
 
 fn lock_dto(shared: &ServerState, viewer: ViewerId) -> String {
     let lock = shared.control_lock();
-    let seen = LockDto {
+    let dto = LockDto {
         you: lock.is_held_by(viewer),
         taken: lock.is_held(),
         viewers: lock.viewers(),
     };
-    message("seat", 0, &seen)
+    message("seat", 0, &dto)
 }
 
 /// Sends changed parts, always the latest.
@@ -91,7 +91,7 @@ async fn send_updates(
     mut lock_changes: watch::Receiver<u64>,
     mut replies: mpsc::Receiver<Reply>,
 ) {
-    let mut sent = HashMap::new();
+    let mut sent = SentRevisions::new();
     let mut pings = tokio::time::interval(PING_EVERY);
     pings.set_missed_tick_behavior(MissedTickBehavior::Delay);
     latest.mark_changed();
@@ -117,17 +117,33 @@ async fn send_updates(
                     return;
                 }
                 let parts = Arc::clone(&latest.borrow_and_update());
-                let news = parts.iter().filter(|part| {
-                    sent.insert(part.key(), part.revision()) != Some(part.revision())
-                });
-                messages.extend(news.map(|part| text(part.text().to_string())));
-                sent.retain(|key, _| parts.iter().any(|part| part.key() == *key));
+                messages.extend(changed_parts(&parts, &mut sent).map(text));
             }
         }
         if !send_all(&mut outgoing, messages).await {
             return;
         }
     }
+}
+
+/// Revision of each part that a viewer has.
+type SentRevisions = HashMap<(&'static str, u64), u64>;
+
+/// Texts of the parts that a viewer does not have in this revision.
+fn changed_parts(
+    parts: &[Arc<dyn PartMessage>],
+    sent: &mut SentRevisions,
+) -> impl Iterator<Item = String> {
+    let is_new = |part: &&Arc<dyn PartMessage>| {
+        sent.insert(part.key(), part.revision()) != Some(part.revision())
+    };
+    let texts: Vec<_> = parts
+        .iter()
+        .filter(is_new)
+        .map(|part| part.text().to_string())
+        .collect();
+    sent.retain(|key, _| parts.iter().any(|part| part.key() == *key));
+    texts.into_iter()
 }
 
 /// Whether all messages could be sent in time.

@@ -45,7 +45,7 @@ pub enum StopReason {
     LinkLost,
     /// Three rings in a row heard no echo at all, and no open space is expected
     /// ([`State::expects_open_space`](super::State::expects_open_space)).
-    #[serde(alias = "NothingHeard")]
+    #[serde(alias = "NoEchoes")]
     NoEchoes,
     /// A motion had not ended at its deadline: twice its distance over its speed, plus 0.5 s.
     Overdue,
@@ -71,7 +71,7 @@ pub enum CommandRefusal {
     /// The memory is empty.
     NoSamples,
     /// The maps have not been learned.
-    #[serde(alias = "NotLearnt")]
+    #[serde(alias = "NotLearned")]
     NotLearned,
     /// No stop interrupted anything.
     NothingToResume,

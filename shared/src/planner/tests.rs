@@ -142,10 +142,7 @@ fn without_a_nearer_neighbor_the_target_is_the_goal() {
         .situations
         .set_code_vector(2, &weights([1.0, 0.0, 1.0, 0.0]));
     let plan = fixture.plan_free([0.9, 0.0, 0.0, 0.0]);
-    assert_eq!(
-        (plan.subgoal_neuron, plan.why),
-        (3, Why::NoNearerNeighbor)
-    );
+    assert_eq!((plan.subgoal_neuron, plan.why), (3, Why::NoNearerNeighbor));
     assert_eq!(
         plan.wanted,
         difference(&[Weight::ZERO; 4], &weights([0.9, 0.0, 0.0, 0.0]))

@@ -243,18 +243,7 @@ fn try_it(gone: BridgeFailure, seed: u64, trial: u64) -> BridgeStop {
     let scene = BridgeScene::new(gone, after_ms, seed.wrapping_add(trial));
     let is_over = Arc::clone(&scene.is_over);
     let scene = Arc::new(Mutex::new(scene));
-    let mut session = Session::new(ControllerLink {
-        mind: InProcessNode::new(config.clone()),
-        scene: Arc::clone(&scene),
-        is_over: Arc::clone(&is_over),
-    });
-    // The bridge must wait longer for an answer than the base may move.
-    session.set_retry_policy(RetryPolicy {
-        timeout: Duration::from_millis(GIVE_UP_MS.into()),
-        attempts: 1,
-    });
-    let place = ControllerPlace::Link(Box::new(session), "a mind".to_owned());
-    let mind = AnyController::new(&config, place).expect("a mind");
+    let controller = controller(&config, &scene, &is_over);
     let plan = BridgePlan {
         config,
         explore_moves: 100,
@@ -266,7 +255,7 @@ fn try_it(gone: BridgeFailure, seed: u64, trial: u64) -> BridgeStop {
     let host = Host::new(RobotLink(Arc::clone(&scene)));
     let _ = drive(
         host,
-        LoggedController::new(mind, None),
+        LoggedController::new(controller, None),
         &plan,
         &is_over,
         |_| {},
@@ -282,6 +271,26 @@ fn try_it(gone: BridgeFailure, seed: u64, trial: u64) -> BridgeStop {
         stood_ms,
         way_mm: way_m * 1e3,
     }
+}
+
+/// A controller at the end of a link that is part of the scene.
+fn controller(
+    config: &Config<16>,
+    scene: &Arc<Mutex<BridgeScene>>,
+    is_over: &Arc<AtomicBool>,
+) -> AnyController {
+    let mut session = Session::new(ControllerLink {
+        mind: InProcessNode::new(config.clone()),
+        scene: Arc::clone(scene),
+        is_over: Arc::clone(is_over),
+    });
+    // The bridge must wait longer for an answer than the base may move.
+    session.set_retry_policy(RetryPolicy {
+        timeout: Duration::from_millis(GIVE_UP_MS.into()),
+        attempts: 1,
+    });
+    let place = ControllerPlace::Link(Box::new(session), "a controller".to_owned());
+    AnyController::new(config, place).expect("a controller")
 }
 
 /// Runs the trials for a campaign of `count`, and adds their figures to the verdict.

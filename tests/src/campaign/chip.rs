@@ -8,7 +8,7 @@ use super::channel::{FaultRates, LossyChannel};
 use super::frames::{Example, examples};
 use super::link::{Bookkeeper, LinkBase};
 use super::mutate::FrameDamage;
-use super::{CampaignVerdict, Progress, below, generator, grouped};
+use super::{CampaignVerdict, ProgressCallback, below, generator, grouped};
 use crate::chip::{EmulatedChip, SESSION, packed};
 use amp::controller::{Progress as Way, StopReason};
 use amp::units::Millis;
@@ -77,7 +77,7 @@ struct ExpectedCounters {
 /// # Panics
 /// When there is no emulator, or the chip stops answering.
 #[must_use]
-pub fn frames(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
+pub fn frames(seed: u64, count: u64, progress: ProgressCallback<'_>) -> CampaignVerdict {
     let examples: Vec<_> = examples().into_iter().filter(|one| one.to_device).collect();
     let mut random = generator(seed, 0);
     let mut chip = EmulatedChip::linked(Clock::Device);
@@ -204,7 +204,7 @@ fn ring(chip: &mut EmulatedChip, range_mm: u16) -> Option<MotionCommand> {
 /// # Panics
 /// When there is no emulator, or the chip stops answering.
 #[must_use]
-pub fn link(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
+pub fn link(seed: u64, count: u64, progress: ProgressCallback<'_>) -> CampaignVerdict {
     let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     let before = chip.counters();
@@ -480,7 +480,7 @@ impl<'a> BadLine<'a> {
 /// # Panics
 /// When there is no emulator, or the chip does not stop, or for another reason.
 #[must_use]
-pub fn silence(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
+pub fn silence(seed: u64, count: u64, progress: ProgressCallback<'_>) -> CampaignVerdict {
     let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     let mut random = generator(seed, 0);

@@ -2,7 +2,7 @@
 //!
 //! It is compared, decision by decision, with an episode that starts at 0.
 
-use super::{CampaignVerdict, Progress, below, generator, grouped};
+use super::{CampaignVerdict, ProgressCallback, below, generator, grouped};
 use amp::config::Config;
 use amp::controller::{Decision, Event, Outputs};
 use amp::units::Millis;
@@ -84,7 +84,11 @@ struct Compared {
 ///
 /// # Errors
 /// When a controller does not answer.
-pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Result<CampaignVerdict, EpisodeError> {
+pub fn run(
+    seed: u64,
+    count: u64,
+    progress: ProgressCallback<'_>,
+) -> Result<CampaignVerdict, EpisodeError> {
     let one = |number| {
         let compared = compare(seed, number);
         progress(1);

@@ -4,7 +4,7 @@
 //! which must match hour 1. Each hour: distance, area, decisions, contacts, bounds of the state.
 
 use super::clock::Shifted;
-use super::{CampaignVerdict, Progress, grouped};
+use super::{CampaignVerdict, ProgressCallback, grouped};
 use amp::config::Config;
 use amp::controller::{Command, Event, Mode};
 use amp::fixed::Weight;
@@ -58,7 +58,7 @@ pub fn run(
     count: u64,
     hours: u32,
     sonar: SonarModel,
-    progress: Progress<'_>,
+    progress: ProgressCallback<'_>,
 ) -> Result<CampaignVerdict, EpisodeError> {
     let one = |number| day(seed.wrapping_add(number), hours, sonar, progress);
     let days: Result<Vec<_>, _> = (0..count).into_par_iter().map(one).collect();
@@ -69,22 +69,10 @@ fn day(
     seed: u64,
     hours: u32,
     sonar: SonarModel,
-    progress: Progress<'_>,
+    progress: ProgressCallback<'_>,
 ) -> Result<Day, EpisodeError> {
     let world = World::random(seed);
-    let setup = Setup {
-        config: Config::recommended(),
-        preset: String::new(),
-        behavior: Behavior::Avoid,
-        explore_moves: 100,
-        steps: 1,
-        seed,
-        sonar,
-        turret: TurretMode::Held,
-        set_down: None,
-        faults: Vec::new(),
-        record: false,
-    };
+    let setup = setup(seed, sonar);
     let half_ms = hours * 1_800_000;
     let mut mind = Shifted::new(setup.config.clone(), 0_u32.wrapping_sub(half_ms));
     let begin = mind.latest;
@@ -109,6 +97,22 @@ fn day(
         hours: driven?,
         again: drive(&world, &mut mind, &mut body, until_s)?,
     })
+}
+
+fn setup(seed: u64, sonar: SonarModel) -> Setup {
+    Setup {
+        config: Config::recommended(),
+        preset: String::new(),
+        behavior: Behavior::Avoid,
+        explore_moves: 100,
+        steps: 1,
+        seed,
+        sonar,
+        turret: TurretMode::Held,
+        set_down: None,
+        faults: Vec::new(),
+        record: false,
+    }
 }
 
 /// The robot at its start, by the controller's time, with avoidance as its goal.
@@ -139,24 +143,24 @@ fn drive(
     until_s: f64,
 ) -> Result<Hour, EpisodeError> {
     let mut hour = Hour::default();
-    let mut tally = Metrics::new(world);
+    let mut metrics = Metrics::new(world);
     let mut touched = false;
     while body.time_s() < until_s {
-        let happened = body.advance(mind);
+        let result = body.advance(mind);
         // The monitor of the ring, as on the chip.
         let _ = mind.handle(body.now(), Event::Tick);
-        if happened.decision.is_some() {
+        if result.decision.is_some() {
             hour.decisions += 1;
             hour.contacts += u64::from(std::mem::take(&mut touched));
         }
-        if let Some(moved) = &happened.moved {
-            tally.moved(moved.from, moved.to, moved.traveled_m, moved.clearance_m);
+        if let Some(moved) = &result.moved {
+            metrics.moved(moved.from, moved.to, moved.traveled_m, moved.clearance_m);
             touched |= moved.touched;
         }
     }
     hour.contacts += u64::from(touched);
-    hour.distance_m = tally.distance_m;
-    hour.area_m2 = tally.coverage_m2();
+    hour.distance_m = metrics.distance_m;
+    hour.area_m2 = metrics.coverage_m2();
     let seeks = matches!(mind.mind.state().mode(), Mode::Seek { .. });
     if seeks && hour.decisions > 0 {
         Ok(hour)
@@ -188,24 +192,7 @@ fn verdict(days: &[Day], sonar: SonarModel) -> CampaignVerdict {
         days.len(),
         sonar.name()
     ));
-    let rows: Vec<_> = SHOWN
-        .iter()
-        .copied()
-        .filter(|hour| *hour <= hours)
-        .map(|hour| row(days, &hour.to_string(), |day| day.hours.get(hour - 1)))
-        .chain([row(days, "after the day, from the start", |day| {
-            Some(&day.again)
-        })])
-        .collect();
-    let heads = [
-        "hour",
-        "decisions",
-        "distance m, mean",
-        "distance m, least",
-        "area m², mean",
-        "steps with a contact",
-    ];
-    verdict.table(heads, &rows);
+    hours_table(&mut verdict, days, hours);
     let every = || {
         days.iter()
             .flat_map(|day| day.hours.iter().chain([&day.again]))
@@ -227,6 +214,38 @@ fn verdict(days: &[Day], sonar: SonarModel) -> CampaignVerdict {
         stays,
         "the distance of the hour after the day differs from that of the first",
     );
+    require_motion(&mut verdict, days);
+    let in_bounds = days
+        .iter()
+        .flat_map(|day| &day.hours)
+        .all(|hour| hour.in_bounds);
+    verdict.require(in_bounds, "the state left its bounds");
+    verdict
+}
+
+fn hours_table(verdict: &mut CampaignVerdict, days: &[Day], hours: usize) {
+    let rows: Vec<_> = SHOWN
+        .iter()
+        .copied()
+        .filter(|hour| *hour <= hours)
+        .map(|hour| row(days, &hour.to_string(), |day| day.hours.get(hour - 1)))
+        .chain([row(days, "after the day, from the start", |day| {
+            Some(&day.again)
+        })])
+        .collect();
+    let heads = [
+        "hour",
+        "decisions",
+        "distance m, mean",
+        "distance m, least",
+        "area m², mean",
+        "steps with a contact",
+    ];
+    verdict.table(heads, &rows);
+}
+
+/// Every robot moves in every hour.
+fn require_motion(verdict: &mut CampaignVerdict, days: &[Day]) {
     for day in days {
         let mut hours = day.hours.iter().chain([&day.again]);
         if let Some(hour) = hours.position(|hour| hour.distance_m < MIN_DISTANCE_M) {
@@ -238,12 +257,6 @@ fn verdict(days: &[Day], sonar: SonarModel) -> CampaignVerdict {
             verdict.broken.push(what);
         }
     }
-    let in_bounds = days
-        .iter()
-        .flat_map(|day| &day.hours)
-        .all(|hour| hour.in_bounds);
-    verdict.require(in_bounds, "the state left its bounds");
-    verdict
 }
 
 fn row(days: &[Day], name: &str, of: impl Fn(&Day) -> Option<&Hour>) -> [String; 6] {

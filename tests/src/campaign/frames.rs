@@ -5,7 +5,7 @@
 //! the CRC and is none of the examples.
 
 use super::mutate::FrameDamage;
-use super::{CampaignVerdict, Progress, below, generator, grouped, parts};
+use super::{CampaignVerdict, ProgressCallback, below, generator, grouped, parts};
 use amp::wire::frame::{FrameError, unpack};
 use amp::wire::{HostMessage, Receiver, Report};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -90,7 +90,7 @@ type Tallies = [FrameCounts; FrameDamage::ALL.len()];
 
 /// Damages `count` frames.
 #[must_use]
-pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
+pub fn run(seed: u64, count: u64, progress: ProgressCallback<'_>) -> CampaignVerdict {
     let examples = examples();
     let damaged = |(part, size): (u64, u64)| {
         let tallies = damage(&examples, &mut generator(seed, part), size);

@@ -6,7 +6,7 @@
 
 use super::bench::{Clocks, Ready, SESSION, coded, command_message, numbered, scan};
 use super::channel::{Arrival, FaultRates, LossyChannel};
-use super::{CampaignVerdict, Progress, below, generator, grouped, parts};
+use super::{CampaignVerdict, ProgressCallback, below, generator, grouped, parts};
 use amp::controller::{Mode, Progress as Way, StopReason};
 use amp::link::{FrameVerdict as Judged, Link};
 use amp::node::FrameSink;
@@ -110,7 +110,7 @@ impl Bookkeeper {
 
 /// Sends `count` frames to controllers.
 #[must_use]
-pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
+pub fn run(seed: u64, count: u64, progress: ProgressCallback<'_>) -> CampaignVerdict {
     let one = |(part, size)| {
         let book = LinkRun::new(seed, part, size).run();
         progress(size);
@@ -221,7 +221,7 @@ impl LinkRun {
         }
         if now_ms.is_multiple_of(TICK_MS) {
             let now = CLOCKS.device(now_ms);
-            let mut said = SentFrames::new(now_ms, &mut self.to_base, &mut self.base);
+            let mut said = RecordingSink::new(now_ms, &mut self.to_base, &mut self.base);
             while self.mind.node.tick(now, &mut said) {}
         }
         while let Some(come) = self.to_base.next_arrival(now_ms) {
@@ -278,7 +278,7 @@ impl LinkRun {
             self.book.replayed[1] += 1;
         }
         let before = (!may_act).then(|| self.mind.node.state().clone());
-        let mut said = SentFrames::new(come.at_ms, &mut self.to_base, &mut self.base);
+        let mut said = RecordingSink::new(come.at_ms, &mut self.to_base, &mut self.base);
         let now = CLOCKS.device(come.at_ms);
         self.mind.node.frame(now, coded(&come.bytes), &mut said);
         let changed = before.is_some_and(|before| before != *self.mind.node.state());
@@ -294,19 +294,19 @@ fn count(came: &[[bool; 2]], is: impl Fn([bool; 2]) -> bool) -> u64 {
 }
 
 /// Sends the controller's frames over the line and records them.
-struct SentFrames<'a> {
+struct RecordingSink<'a> {
     now_ms: u64,
     line: &'a mut LossyChannel,
     base: &'a mut LinkBase,
 }
 
-impl<'a> SentFrames<'a> {
+impl<'a> RecordingSink<'a> {
     fn new(now_ms: u64, line: &'a mut LossyChannel, base: &'a mut LinkBase) -> Self {
         Self { now_ms, line, base }
     }
 }
 
-impl FrameSink for SentFrames<'_> {
+impl FrameSink for RecordingSink<'_> {
     fn send(&mut self, frame: &[u8]) -> bool {
         self.line.send(self.now_ms, frame);
         self.base.is_on_its_way(frame);
@@ -469,8 +469,20 @@ fn verdict(book: &Bookkeeper) -> CampaignVerdict {
         BAD.stalls,
         BAD.stall_ms
     ));
+    verdict.table(["what", "number"], &rows(book));
+    let unaccepted = book.sent - book.accepted[0];
+    verdict.say(format_args!(
+        "\nsent minus accepted: {}; lost and overtaken, by the bookkeeper: {}",
+        grouped(unaccepted),
+        grouped(book.lost + book.overtaken)
+    ));
+    check(&mut verdict, book);
+    verdict
+}
+
+fn rows(book: &Bookkeeper) -> Vec<[String; 2]> {
     let row = |what: &str, number| [what.to_owned(), grouped(number)];
-    let rows = [
+    vec![
         row("lost in transit to the controller", book.lost),
         row("overtaken by a later one", book.overtaken),
         row("duplicated", book.repeated),
@@ -501,16 +513,12 @@ fn verdict(book: &Bookkeeper) -> CampaignVerdict {
             "executed while the controller's stop was in transit or lost",
             book.taken_back,
         ),
-    ];
-    verdict.table(["what", "number"], &rows);
-    let unaccepted = book.sent - book.accepted[0];
-    verdict.say(format_args!(
-        "\nsent minus accepted: {}; lost and overtaken, by the bookkeeper: {}",
-        grouped(unaccepted),
-        grouped(book.lost + book.overtaken)
-    ));
+    ]
+}
+
+fn check(verdict: &mut CampaignVerdict, book: &Bookkeeper) {
     verdict.require(
-        unaccepted == book.lost + book.overtaken,
+        book.sent - book.accepted[0] == book.lost + book.overtaken,
         "the count of lost frames is not exact",
     );
     for (what, [counted, right]) in [
@@ -526,5 +534,4 @@ fn verdict(book: &Bookkeeper) -> CampaignVerdict {
     verdict.require(book.stops_refused == 0, "a stop was refused");
     let enough = book.executed > 0 && book.replayed[1] > 0 && book.expired[1] > 0 && book.aged > 0;
     verdict.require(enough, "nothing was tested");
-    verdict
 }

@@ -53,7 +53,7 @@ impl CampaignVerdict {
 }
 
 /// Called with the number of finished steps.
-pub type Progress<'a> = &'a (dyn Fn(u64) + Sync);
+pub type ProgressCallback<'a> = &'a (dyn Fn(u64) + Sync);
 
 /// The random generator of part `part` of a campaign.
 fn generator(seed: u64, part: u64) -> Xoshiro256PlusPlus {

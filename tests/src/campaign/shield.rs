@@ -4,7 +4,7 @@
 //! cells, each round with its own seed and random room. Random moves count as well. A second set of
 //! worlds: the built-in ones and rooms with thin walls.
 
-use super::{CampaignVerdict, Progress, grouped};
+use super::{CampaignVerdict, ProgressCallback, grouped};
 use amp::config::Config;
 use arena::noise::Noise;
 use arena::robot::TurretMode;
@@ -72,7 +72,7 @@ pub fn run(
     count: u64,
     worlds: Worlds,
     config: &Config<16>,
-    progress: Progress<'_>,
+    progress: ProgressCallback<'_>,
 ) -> Result<CampaignVerdict, String> {
     let one = |number: u64| {
         let world =

@@ -7,7 +7,7 @@
 use super::bench::{Clocks, Ready, SESSION, hello, scan};
 use super::bridged;
 use super::wheels::Wheels;
-use super::{CampaignVerdict, Progress, below, generator, grouped, parts};
+use super::{CampaignVerdict, ProgressCallback, below, generator, grouped, parts};
 use crate::chip::packed;
 use amp::wire::Receiver;
 use amp::wire::frame::{Header, unpack};
@@ -107,7 +107,7 @@ struct SilenceStop {
 /// # Panics
 /// When a trained controller does not move its base.
 #[must_use]
-pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
+pub fn run(seed: u64, count: u64, progress: ProgressCallback<'_>) -> CampaignVerdict {
     let mut verdict = CampaignVerdict::default();
     verdict.say(format_args!(
         "{} failures each while the base moves; time from the failure to the stop command or the end of its motion, ms; time until its wheels stand, ms; distance until then, mm\n",
@@ -206,8 +206,18 @@ fn try_it(ready: &Ready, hall: &World, gone: FailedPart, seed: u64, trial: u64) 
     }
     scene.is_gone(gone);
     scene.wheels.extend_without_end();
+    let returns_after_ms = below(&mut random, RETURN_MS) as u64;
+    watch_stop(&mut scene, gone, returns_after_ms)
+}
+
+/// Observes the stop after the failure; a host that is gone for a while returns after this time.
+fn watch_stop(
+    scene: &mut SilenceScene<'_>,
+    gone: FailedPart,
+    returns_after_ms: u64,
+) -> SilenceStop {
     let (began_ms, began_mm) = (scene.now_ms, scene.wheels.way_mm());
-    let returns_ms = began_ms + below(&mut random, RETURN_MS) as u64;
+    let returns_ms = began_ms + returns_after_ms;
     let (mut after_ms, mut stood_ms) = (None, None);
     let mut stood_mm = f64::INFINITY;
     while stood_ms.is_none_or(|stood| scene.now_ms < began_ms + stood + WATCHED_MS) {

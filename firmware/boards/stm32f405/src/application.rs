@@ -70,7 +70,7 @@ macro_rules! application {
             #[local]
             struct LocalResources {
                 driver: UartDriver<'static>,
-                port: SerialPort<board::Link>,
+                port: SerialPort<board::LinkUart>,
                 led: StatusLed,
                 watchdog: Watchdog,
                 ring: SonarRing<'static, RingPin>,
@@ -89,7 +89,7 @@ macro_rules! application {
                 readings: Queue<RingReading, 16> = Queue::new(),
             ])]
             fn init(cx: init::Context) -> (SharedResources, LocalResources) {
-                let mut devices: Devices<board::Link> = board::init(cx.device, cx.core);
+                let mut devices: Devices<board::LinkUart> = board::init(cx.device, cx.core);
                 let reset = reset_reason(devices.flags);
                 let errors: &'static ErrorCounters = cx.local.errors;
                 let (received_in, received_out) = cx.local.received.split();

@@ -44,7 +44,7 @@ pub const PINOUT: Pinout = Pinout {
 };
 
 #[cfg(target_os = "none")]
-pub use device::{Link, init};
+pub use device::{LinkUart, init};
 
 #[cfg(target_os = "none")]
 mod device {
@@ -60,13 +60,13 @@ mod device {
     use stm32f4xx_hal::prelude::*;
 
     /// The USART of the link.
-    pub type Link = pac::USART1;
+    pub type LinkUart = pac::USART1;
 
     /// Starts the chip and takes the pins.
     ///
     /// # Panics
     /// The clocks cannot make the link's rate; each supported clock can.
-    pub fn init(device: pac::Peripherals, core: cortex_m::Peripherals) -> Devices<Link> {
+    pub fn init(device: pac::Peripherals, core: cortex_m::Peripherals) -> Devices<LinkUart> {
         let guards = (device.IWDG, &device.DBGMCU);
         let mut chip = StartedChip::start(guards, (device.RCC, device.TIM11), core);
         let gpioa = device.GPIOA.split(&mut chip.rcc);

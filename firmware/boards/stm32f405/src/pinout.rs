@@ -3,7 +3,7 @@
 //! The chip is an STM32F405RG in its 64-pin package: ports A, B and C, PD2, PH0 and PH1.
 
 /// A pin and its function.
-pub type Assignment = (&'static str, &'static str);
+pub type PinAssignment = (&'static str, &'static str);
 
 /// The pins of one board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -11,9 +11,9 @@ pub struct Pinout {
     /// Name of the board's module.
     pub board: &'static str,
     /// Pins that this firmware drives or reads.
-    pub used: &'static [Assignment],
+    pub used: &'static [PinAssignment],
     /// Pins that the board itself uses.
-    pub reserved: &'static [Assignment],
+    pub reserved: &'static [PinAssignment],
 }
 
 #[cfg(test)]

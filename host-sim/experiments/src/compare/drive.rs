@@ -109,9 +109,9 @@ pub fn drive(
             let (tuning, training) = constants.q_two_soms;
             place.train_and_measure(QTwoSoms::new(tuning), training, budgets)
         }
-        ComparedMethod::Default => place.mind(Config::recommended(), TurretMode::Held, seed),
-        ComparedMethod::Probe => place.mind(Config::probing(), TurretMode::Held, seed),
-        ComparedMethod::Touzet => place.mind(Config::touzet(), TurretMode::Follow, seed),
+        ComparedMethod::Default => place.controller(Config::recommended(), TurretMode::Held, seed),
+        ComparedMethod::Probe => place.controller(Config::probing(), TurretMode::Held, seed),
+        ComparedMethod::Touzet => place.controller(Config::touzet(), TurretMode::Follow, seed),
     }
 }
 
@@ -197,7 +197,7 @@ impl MeasuredSite<'_> {
         self.train_and_measure(NearestSample::new(tuning), training, budgets)
     }
 
-    fn mind(
+    fn controller(
         &self,
         mut config: Config<16>,
         turret: TurretMode,

@@ -67,19 +67,7 @@ pub fn measure(
                 constants: &constants,
                 budgets: &budgets,
             };
-            let of_seed = |world: &World, seed: u32| {
-                let seed = plan.first_seed.wrapping_add(u64::from(seed));
-                let outcomes = drive(&candidate, world, seed, conditions);
-                done();
-                outcomes
-            };
-            let of_world = |world: &World| {
-                let seeds = (0..plan.seeds).into_par_iter();
-                seeds.map(|seed| of_seed(world, seed)).collect()
-            };
-            let measured: Result<Vec<Vec<Vec<MethodOutcome>>>, EpisodeError> =
-                plan.worlds.par_iter().map(of_world).collect();
-            let measured = measured?;
+            let measured = measure_method(plan, &candidate, conditions, done)?;
             for (index, moves) in budgets.iter().enumerate() {
                 let of_world = |world: &Vec<Vec<MethodOutcome>>| {
                     world
@@ -97,4 +85,24 @@ pub fn measure(
         }
     }
     Ok(rows)
+}
+
+/// Outcomes by world, seed and budget.
+fn measure_method(
+    plan: &ComparisonPlan,
+    candidate: &MethodUnderTest<'_>,
+    conditions: &Conditions,
+    done: &(impl Fn() + Sync),
+) -> Result<Vec<Vec<Vec<MethodOutcome>>>, EpisodeError> {
+    let of_seed = |world: &World, seed: u32| {
+        let seed = plan.first_seed.wrapping_add(u64::from(seed));
+        let outcomes = drive(candidate, world, seed, conditions);
+        done();
+        outcomes
+    };
+    let of_world = |world: &World| {
+        let seeds = (0..plan.seeds).into_par_iter();
+        seeds.map(|seed| of_seed(world, seed)).collect()
+    };
+    plan.worlds.par_iter().map(of_world).collect()
 }

@@ -36,7 +36,6 @@ pub fn topology_of<const NEURONS: usize, const DIMS: usize>(
     seed: u64,
 ) -> MapTopology {
     let grid = map.grid();
-
     let distance = |a: usize, b: usize| match (map.code().get(a), map.code().get(b)) {
         (Some(a), Some(b)) => difference(a, b),
         _ => 0.0,
@@ -57,20 +56,26 @@ pub fn topology_of<const NEURONS: usize, const DIMS: usize>(
         .map(|(a, b)| [grid.hops(a, b) as f64, distance(a, b)])
         .collect();
     let (quality, hits) = map.quality(samples);
-    let mean = samples.len() as f64 / NEURONS as f64;
-    let spread = hits
-        .iter()
-        .map(|&hit| (f64::from(hit) - mean) * (f64::from(hit) - mean))
-        .sum::<f64>();
     MapTopology {
         neighbors,
         others,
         topographic_error: f64::from(quality.apart()) / f64::from(quality.samples().max(1)),
         correlation: pearson(&pairs),
         as_good_by_chance,
-        hit_spread: (spread / NEURONS as f64).sqrt() / mean.max(f64::MIN_POSITIVE),
+        hit_spread: hit_spread(&hits, samples.len()),
         idle: hits.iter().filter(|&&hit| hit == 0).count(),
     }
+}
+
+/// Standard deviation of the samples per neuron, divided by their mean.
+fn hit_spread(hits: &[u32], samples: usize) -> f64 {
+    let neurons = hits.len() as f64;
+    let mean = samples as f64 / neurons;
+    let squares = hits
+        .iter()
+        .map(|&hit| (f64::from(hit) - mean) * (f64::from(hit) - mean))
+        .sum::<f64>();
+    (squares / neurons).sqrt() / mean.max(f64::MIN_POSITIVE)
 }
 
 /// Mean distances of neighbors and of other pairs when neuron `k` has the code vector of

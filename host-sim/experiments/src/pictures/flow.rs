@@ -102,7 +102,7 @@ fn samples(svg: &mut Svg, shown: &DecisionFigure, ring: &[f64]) {
 
 /// B and C: what the two maps learn.
 fn bases(svg: &mut Svg, shown: &DecisionFigure, ring: &[f64]) {
-    let [from, first, second] = COLUMNS;
+    let [_, first, second] = COLUMNS;
     title(
         svg,
         [first, TOP + 4.0],
@@ -132,6 +132,12 @@ fn bases(svg: &mut Svg, shown: &DecisionFigure, ring: &[f64]) {
         both.changes(svg, change, full);
         both.arrow(svg, sample.moved_m, longest);
     }
+    base_arrows(svg);
+}
+
+/// Arrows from the samples to both learning bases, and on to the maps.
+fn base_arrows(svg: &mut Svg) {
+    let [from, first, second] = COLUMNS;
     arrow(svg, [from + 234.0, TOP + 46.0], -FRAC_PI_2, 32.0, 2.0);
     let style = stroke(INK, 2.0);
     let (above, edge) = (TOP - 12.0, second + 220.0);
@@ -205,68 +211,72 @@ fn tile(svg: &mut Svg, left: f64, neuron: usize) -> [f64; 2] {
 
 /// The row of situations: E, D, F, G and the action.
 fn steps(svg: &mut Svg, shown: &DecisionFigure, ring: &[f64]) {
-    let [goal, present, aim, answer] = shown.neurons.map(|neuron| format!("N{}", neuron + 1));
-    let full = axis_end(shown.present.iter().chain(&shown.aim));
-    let most = axis_end(shown.wanted.iter());
-    let cells = [
-        (
-            "E",
-            "goal: at most",
-            format!("(1) stands for it: {goal}"),
-            ORANGE,
-        ),
-        (
-            "D",
-            "present",
-            format!("(2) stands for it: {present}"),
-            BLUE,
-        ),
-        (
-            "F",
-            "intermediate",
-            format!("(3) neighbor: {aim}"),
-            VERMILLION,
-        ),
-        (
-            "G",
-            "F − D: wanted",
-            "(4) probes the 2nd map".to_owned(),
-            GRAY,
-        ),
-        ("", "action", format!("answer: {answer}"), INK),
-    ];
     svg.rect(
         [MARGIN, STEPS - 22.0, PAGE - 2.0 * MARGIN, 1.0],
         &filled(PALE, PALE, 0.0),
     );
-    for (i, (letter, name, below, color)) in cells.iter().enumerate() {
+    for (i, step) in step_cells(shown).iter().enumerate() {
         let x = MARGIN + PITCH * (i as f64 + 0.5);
         let center = [x, STEPS + 68.0];
-        let left = x - 62.0;
-        title(svg, [left, STEPS], letter, name);
+        title(svg, [x - 62.0, STEPS], step.letter, step.name);
         let rosette = rosette(center, 46.0, ring);
-        match i {
-            0 => rosette.values(svg, &shown.goal, 1.0),
-            1 => rosette.values(svg, &shown.present, full),
-            2 => rosette.values(svg, &shown.aim, full),
-            3 => rosette.changes(svg, &shown.wanted, most),
-            _ => Rosette {
-                radius: 90.0,
-                ..rosette
-            }
-            .arrow(svg, shown.action_m, longest([shown.action_m].iter())),
-        }
+        step_values(svg, shown, &rosette, i);
         if i < 3 {
-            rosette.fill_hub(svg, color);
+            rosette.fill_hub(svg, step.color);
         }
         svg.text(
             [x, STEPS + 140.0],
             Font::new(11.5).at(Anchor::Middle),
-            below,
+            &step.note,
         );
         if (1..4).contains(&i) {
             arrow(svg, [x + 58.0, center[1]], -FRAC_PI_2, 30.0, 2.0);
         }
+    }
+}
+
+/// Texts and color of one step.
+struct StepCell {
+    letter: &'static str,
+    name: &'static str,
+    note: String,
+    color: &'static str,
+}
+
+fn step_cells(shown: &DecisionFigure) -> [StepCell; 5] {
+    let [goal, present, aim, answer] = shown.neurons.map(|neuron| format!("N{}", neuron + 1));
+    let cell = |letter, name, note, color| StepCell {
+        letter,
+        name,
+        note,
+        color,
+    };
+    let goal = format!("(1) stands for it: {goal}");
+    let present = format!("(2) stands for it: {present}");
+    let neighbor = format!("(3) neighbor: {aim}");
+    let probe = "(4) probes the 2nd map".to_owned();
+    [
+        cell("E", "goal: at most", goal, ORANGE),
+        cell("D", "present", present, BLUE),
+        cell("F", "intermediate", neighbor, VERMILLION),
+        cell("G", "F − D: wanted", probe, GRAY),
+        cell("", "action", format!("answer: {answer}"), INK),
+    ]
+}
+
+/// The values of a step as a rosette; those of the action as an arrow.
+fn step_values(svg: &mut Svg, shown: &DecisionFigure, rosette: &Rosette<'_>, step: usize) {
+    let full = axis_end(shown.present.iter().chain(&shown.aim));
+    match step {
+        0 => rosette.values(svg, &shown.goal, 1.0),
+        1 => rosette.values(svg, &shown.present, full),
+        2 => rosette.values(svg, &shown.aim, full),
+        3 => rosette.changes(svg, &shown.wanted, axis_end(shown.wanted.iter())),
+        _ => Rosette {
+            radius: 90.0,
+            ..*rosette
+        }
+        .arrow(svg, shown.action_m, longest([shown.action_m].iter())),
     }
 }
 

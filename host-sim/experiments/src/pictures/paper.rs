@@ -63,11 +63,10 @@ fn about(measured: &Measured) -> Vec<String> {
     ]
 }
 
-/// Name, title, caption and document.
-type PaperPicture = (&'static str, &'static str, &'static [&'static str], String);
+type PaperFigure = (&'static str, &'static str, &'static [&'static str], String);
 
 /// Name, title, caption and document of each figure.
-fn pictures(measured: &Measured) -> Vec<PaperPicture> {
+fn pictures(measured: &Measured) -> Vec<PaperFigure> {
     let mut pictures = Vec::new();
     let drawn = measured.chains.each_ref().map(|chains| chains.first());
     if let [Some(uniform), Some(clusters), _] = drawn {

@@ -45,20 +45,21 @@ pub fn situation_values(title: &str, shown: &Miniature) -> String {
         corner(&mut svg, tiles.tile(i), &format!("{hits} hit{plural}"));
     }
     let mut legend = Legend::right_of(tiles.width());
-    legend.headline(&mut svg, "One tile = one neuron");
-    legend.note(
-        &mut svg,
-        "Bars and figures: the value of each sensor, 1 = an obstacle at 2\u{a0}cm or nearer, 0 = none within 5\u{a0}cm.",
-    );
-    legend.note(
-        &mut svg,
-        "Hits: how many of the 100 situations it stands for.",
-    );
-    u_matrix_legend(&mut legend, &mut svg, ends);
-    legend.note(&mut svg, tiles.neighbors());
+    explain_tiles(&mut svg, &mut legend, &tiles, ends);
     legend.skip(8.0);
     walk(&mut svg, &mut legend, shown);
     svg.finish(title, &subtitle)
+}
+
+fn explain_tiles(svg: &mut Svg, legend: &mut Legend, tiles: &Tiles, ends: [f64; 2]) {
+    legend.headline(svg, "One tile = one neuron");
+    legend.note(
+        svg,
+        "Bars and figures: the value of each sensor, 1 = an obstacle at 2\u{a0}cm or nearer, 0 = none within 5\u{a0}cm.",
+    );
+    legend.note(svg, "Hits: how many of the 100 situations it stands for.");
+    u_matrix_legend(legend, svg, ends);
+    legend.note(svg, tiles.neighbors());
 }
 
 /// The values around a rosette.

@@ -97,18 +97,21 @@ impl Merged {
             }
         }
         match next.pop() {
-            Some(Reverse((number, index))) if number < self.header.episodes() => {
-                Err(self.double(number, index, last).into())
-            }
-            Some(Reverse((number, index))) => {
-                let what = format!(
-                    "episode {number} is not one of this sweep's {}",
-                    self.header.episodes()
-                );
-                Err(BadInput::file(self.path(index), what).into())
-            }
+            Some(Reverse((number, index))) => Err(self.surplus(number, index, last).into()),
             None => Ok(()),
         }
+    }
+
+    /// A row after the last episode.
+    fn surplus(&self, number: u64, index: usize, last: Option<usize>) -> BadInput {
+        if number < self.header.episodes() {
+            return self.double(number, index, last);
+        }
+        let what = format!(
+            "episode {number} is not one of this sweep's {}",
+            self.header.episodes()
+        );
+        BadInput::file(self.path(index), what)
     }
 
     fn path(&self, index: usize) -> &Path {

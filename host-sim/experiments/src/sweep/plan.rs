@@ -47,51 +47,16 @@ impl SweepPlan {
     /// # Errors
     /// The first invalid point, the first world that cannot be loaded, or too many episodes.
     pub fn new(description: Description, vocabulary: Vocabulary) -> Result<Self, BadInput> {
-        let Description {
-            name,
-            worlds,
-            behaviors,
-            seeds,
-            points,
-        } = &description;
-        let lengths = [behaviors.len(), worlds.len(), seeds.len()].map(|length| length as u64);
-        let episodes = lengths
-            .into_iter()
-            .try_fold(points.count().unwrap_or(u64::MAX), u64::checked_mul)
-            .ok_or_else(|| {
-                BadInput::new(format!("sweep {name}: it has more than 2^64 episodes"))
-            })?;
-
-        let mut hash = Hasher::new();
-        hash.part(format_args!("{}", env!("CARGO_PKG_VERSION")));
-        for point in 0..points.count().unwrap_or(0) {
-            let choices = points.choices(point);
-            let setup = (vocabulary.setup)(&choices).map_err(|error| {
-                let choices: Vec<_> = choices
-                    .iter()
-                    .map(|(key, value)| format!("{key}={value}"))
-                    .collect();
-                BadInput::new(format!(
-                    "sweep {name}, point {point} ({}): {error}",
-                    choices.join(" ")
-                ))
-            })?;
-            hash.part(format_args!("{:?} {setup:?}", points.cells(point)));
-        }
-        hash.part(format_args!("{behaviors:?} {seeds:?}"));
-        for source in worlds {
-            hash.part(format_args!("{source}"));
-            if matches!(source, WorldSource::File(_) | WorldSource::Barn(_)) {
-                hash.world(&source.load()?);
-            }
-        }
-        let keys = points
+        let episodes = episode_count(&description)?;
+        let identity = identity(&description, &vocabulary)?;
+        let keys = description
+            .points
             .keys()
             .iter()
             .map(|key| format!("{CHOICE_PREFIX}{key}"));
         let header = ResultsHeader::new(
-            name,
-            &hash.finish(),
+            &description.name,
+            &identity,
             episodes,
             keys.chain(EpisodeReport::FIELDS.map(str::to_owned)),
         );
@@ -150,4 +115,54 @@ impl SweepPlan {
         let behavior = self.description.behaviors.get(place.behavior).cloned();
         Ok(setup.pursuing(behavior.unwrap_or(sim::behavior::Behavior::Avoid)))
     }
+}
+/// Number of episodes of a sweep.
+fn episode_count(description: &Description) -> Result<u64, BadInput> {
+    let Description {
+        name,
+        worlds,
+        behaviors,
+        seeds,
+        points,
+    } = description;
+    let lengths = [behaviors.len(), worlds.len(), seeds.len()].map(|length| length as u64);
+    lengths
+        .into_iter()
+        .try_fold(points.count().unwrap_or(u64::MAX), u64::checked_mul)
+        .ok_or_else(|| BadInput::new(format!("sweep {name}: it has more than 2^64 episodes")))
+}
+
+/// Checks every point and every world file, and hashes all that determines the results.
+fn identity(description: &Description, vocabulary: &Vocabulary) -> Result<String, BadInput> {
+    let Description {
+        name,
+        worlds,
+        behaviors,
+        seeds,
+        points,
+    } = description;
+    let mut hash = Hasher::new();
+    hash.part(format_args!("{}", env!("CARGO_PKG_VERSION")));
+    for point in 0..points.count().unwrap_or(0) {
+        let choices = points.choices(point);
+        let setup = (vocabulary.setup)(&choices).map_err(|error| {
+            let choices: Vec<_> = choices
+                .iter()
+                .map(|(key, value)| format!("{key}={value}"))
+                .collect();
+            BadInput::new(format!(
+                "sweep {name}, point {point} ({}): {error}",
+                choices.join(" ")
+            ))
+        })?;
+        hash.part(format_args!("{:?} {setup:?}", points.cells(point)));
+    }
+    hash.part(format_args!("{behaviors:?} {seeds:?}"));
+    for source in worlds {
+        hash.part(format_args!("{source}"));
+        if matches!(source, WorldSource::File(_) | WorldSource::Barn(_)) {
+            hash.world(&source.load()?);
+        }
+    }
+    Ok(hash.finish())
 }

@@ -167,27 +167,7 @@ impl ResultsFile {
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
         }
-        let options = OpenOptions::new()
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .open(path);
-        let file = options.map_err(|error| unwritable(path, &error))?;
-        if !file.metadata().is_ok_and(|about| about.is_file()) {
-            return Err(BadInput::file(
-                path,
-                "is not a file that results can be added to",
-            ));
-        }
-        match file.try_lock() {
-            Err(TryLockError::WouldBlock) => {
-                let what = "another process is adding results to it";
-                return Err(BadInput::file(path, what));
-            }
-            // Some network file systems have no locks.
-            Ok(()) | Err(TryLockError::Error(_)) => {}
-        }
+        let file = open_locked(path)?;
         let (whole, done) = scan_rows(path, &file, header, shard)?;
         let mut results = Self {
             file,
@@ -237,8 +217,45 @@ impl ResultsFile {
     }
 }
 
+fn open_locked(path: &Path) -> Result<File, BadInput> {
+    let opened = OpenOptions::new()
+        .read(true)
+        .write(true)
+        .create(true)
+        .truncate(false)
+        .open(path);
+    let file = opened.map_err(|error| unwritable(path, &error))?;
+    if !file.metadata().is_ok_and(|about| about.is_file()) {
+        return Err(BadInput::file(
+            path,
+            "is not a file that results can be added to",
+        ));
+    }
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => {
+            let what = "another process is adding results to it";
+            Err(BadInput::file(path, what))
+        }
+        // Some network file systems have no locks.
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
+    }
+}
+
 fn unwritable(path: &Path, error: &io::Error) -> BadInput {
     BadInput::file(path, format!("cannot be written: {error}"))
+}
+
+fn another_sweep(path: &Path, input: &mut impl BufRead, header: &ResultsHeader) -> BadInput {
+    let other = match ResultsHeader::read(path, input) {
+        Ok(other) => other,
+        Err(error) => return error,
+    };
+    let what = format!(
+        "holds results of another sweep ({}), not of {}",
+        other.identity(),
+        header.identity()
+    );
+    BadInput::file(path, what)
 }
 
 /// Length of the whole rows, and their number.
@@ -259,20 +276,15 @@ fn scan_rows(
             return Ok((0, 0));
         }
         input.rewind().map_err(|error| unreadable(path, &error))?;
-        let other = ResultsHeader::read(path, &mut input)?;
-        let what = format!(
-            "holds results of another sweep ({}), not of {}",
-            other.identity(),
-            header.identity()
-        );
-        return Err(BadInput::file(path, what));
+        return Err(another_sweep(path, &mut input, header));
     }
     let (mut whole, mut done) = (length, 0);
     let mut row = Vec::new();
     while read_row(&mut input, &mut row).map_err(|error| unreadable(path, &error))? {
         let expected = shard.number(done);
-        if number_of(&row) != Some(expected) || expected >= header.episodes() {
-            let found = number_of(&row).map_or("no episode".to_owned(), |number| {
+        let found = number_of(&row);
+        if found != Some(expected) || expected >= header.episodes() {
+            let found = found.map_or("no episode".to_owned(), |number| {
                 format!("episode {number}")
             });
             let what = format!(

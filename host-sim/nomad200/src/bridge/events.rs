@@ -1,7 +1,7 @@
 //! Converts the robot's state packets into events of the controller.
 
 use crate::units::{M_PER_TENTH_INCH, TENTH_DEGREES_PER_TURN};
-use crate::{NomadState, PosData};
+use crate::{NomadReadings, PosData};
 use amp::controller::{Event, Progress};
 use amp::units::{Bearing, Displacement, Millis, Range};
 use arena::sonar::{M_PER_INCH, MAX_READING_IN};
@@ -37,7 +37,7 @@ pub(super) struct EventQueue {
     now: Millis,
     /// The robot's time of the latest packet.
     board_ms: u32,
-    /// The position reported so far; what rounding leaves over goes into the next report.
+    /// The position reported so far. The next report contains what rounding left over.
     reported: Point,
     bearing: Bearing,
     /// The robot's time of the latest echo of each sonar.
@@ -49,7 +49,7 @@ pub(super) struct EventQueue {
 
 impl EventQueue {
     /// Starts from this state.
-    pub(super) fn begin(&mut self, state: &NomadState) {
+    pub(super) fn begin(&mut self, state: &NomadReadings) {
         self.board_ms = state.time_ms;
         self.reported = position(&state.pose);
         self.bearing = bearing(state.pose[3]);
@@ -82,48 +82,61 @@ impl EventQueue {
     }
 
     /// Adds a state packet: each new echo, with odometry to where it was sensed, then odometry to
-    /// the current pose. `motion` is the current or last motion, `news` its progress unless it just
-    /// moves.
+    /// the current pose. `motion` is the current or last motion, `progress` its progress unless it
+    /// just moves.
     pub(super) fn add_state(
         &mut self,
-        state: &NomadState,
+        state: &NomadReadings,
         motion: Option<u16>,
-        news: Option<Progress>,
+        progress: Option<Progress>,
     ) {
-        let gap_ms = state.time_ms.wrapping_sub(self.board_ms);
-        self.board_ms = state.time_ms;
-        let before = self.now;
-        let passed = gap_ms.min(MAX_GAP_MS);
-        self.now = Millis::from_ms(before.as_ms().wrapping_add(passed));
+        let elapsed_ms = self.advance_clock(state.time_ms);
         for sensor in self.new_echoes(state) {
-            let place = &state.sonar_at[sensor];
-            self.sensed_ms[sensor] = place.sensed_ms;
-            // The age is the robot's, even if the controller's clock advanced by less. A packet
-            // with other sonars may bring an older echo later.
-            let age_ms = age_ms(state, sensor);
-            let told_ms = age_ms.min(passed);
-            let at = self.now.minus_ms(told_ms);
-            self.report_position(at, place, motion);
-            let event = Event::Echo {
-                sensor: sensor as u8,
-                range: range(state.sonar[sensor]),
-            };
-            self.push(at, age_ms - told_ms, event);
+            self.add_echo(state, sensor, elapsed_ms, motion);
         }
-        let here = PosData {
+        let pose_now = PosData {
             pose: state.pose,
             ..PosData::default()
         };
-        let (moved, turned) = self.way(&here);
-        let still = moved == Displacement::ZERO && turned == Bearing::ZERO;
-        if let Some(motion) = motion.filter(|_| !still || news.is_some()) {
-            self.report(
-                self.now,
-                motion,
-                (moved, turned),
-                news.unwrap_or(Progress::Moving),
-            );
+        let (moved, turned) = self.displacement_to(&pose_now);
+        let has_moved = moved != Displacement::ZERO || turned != Bearing::ZERO;
+        if let Some(motion) = motion.filter(|_| has_moved || progress.is_some()) {
+            let progress = progress.unwrap_or(Progress::Moving);
+            self.report(self.now, motion, (moved, turned), progress);
         }
+    }
+
+    /// Advances the controller's clock to a packet with this time; returns by how much, ms.
+    fn advance_clock(&mut self, board_ms: u32) -> u32 {
+        let gap_ms = board_ms.wrapping_sub(self.board_ms);
+        self.board_ms = board_ms;
+        let elapsed_ms = gap_ms.min(MAX_GAP_MS);
+        self.now = Millis::from_ms(self.now.as_ms().wrapping_add(elapsed_ms));
+        elapsed_ms
+    }
+
+    /// Adds an echo, at most `elapsed_ms` before the packet by the controller's clock. The rest of
+    /// its age by the robot's clock is sent with it, so the age is the robot's even if the
+    /// controller's clock advanced by less. A packet with other sonars may bring an older echo
+    /// later.
+    fn add_echo(
+        &mut self,
+        state: &NomadReadings,
+        sensor: usize,
+        elapsed_ms: u32,
+        motion: Option<u16>,
+    ) {
+        let origin = &state.sonar_at[sensor];
+        self.sensed_ms[sensor] = origin.sensed_ms;
+        let age_ms = age_ms(state, sensor);
+        let backdated_ms = age_ms.min(elapsed_ms);
+        let at = self.now.minus_ms(backdated_ms);
+        self.report_position(at, origin, motion);
+        let event = Event::Echo {
+            sensor: sensor as u8,
+            range: range(state.sonar[sensor]),
+        };
+        self.push(at, age_ms - backdated_ms, event);
     }
 
     /// Takes the queued events, with a tick at the end if time has passed: a controller in this
@@ -137,7 +150,7 @@ impl EventQueue {
     }
 
     /// Sonars with a new echo, in the order of firing.
-    fn new_echoes(&self, state: &NomadState) -> Vec<usize> {
+    fn new_echoes(&self, state: &NomadReadings) -> Vec<usize> {
         let is_new = |sensor: &usize| state.sonar_at[*sensor].sensed_ms != self.sensed_ms[*sensor];
         let mut sensors: Vec<_> = (0..16).filter(is_new).collect();
         sensors.sort_by_key(|&sensor| core::cmp::Reverse(age_ms(state, sensor)));
@@ -148,16 +161,16 @@ impl EventQueue {
     fn report_position(&mut self, at: Millis, place: &PosData, motion: Option<u16>) {
         let far = position(&place.pose).distance(self.reported) >= SAME_PLACE_M;
         if let Some(motion) = motion.filter(|_| far) {
-            let way = self.way(place);
-            self.report(at, motion, way, Progress::Moving);
+            let displacement = self.displacement_to(place);
+            self.report(at, motion, displacement, Progress::Moving);
         }
     }
 
     /// Displacement to a position in whole millimeters of the ring's frame, and the ring's turn.
-    fn way(&self, place: &PosData) -> (Displacement, Bearing) {
+    fn displacement_to(&self, place: &PosData) -> (Displacement, Bearing) {
         let ring = Point::unit(radians(self.bearing));
-        let way = (position(&place.pose) - self.reported).turned_back(ring) * 1e3;
-        let moved = Displacement::saturating(libm::rint(way.x) as i32, libm::rint(way.y) as i32);
+        let mm = (position(&place.pose) - self.reported).turned_back(ring) * 1e3;
+        let moved = Displacement::saturating(libm::rint(mm.x) as i32, libm::rint(mm.y) as i32);
         (moved, bearing(place.pose[3]).minus(self.bearing))
     }
 
@@ -169,8 +182,8 @@ impl EventQueue {
         progress: Progress,
     ) {
         let mm = Point::new(f64::from(moved.dx_mm), f64::from(moved.dy_mm));
-        let way = (mm * 1e-3).turned(Point::unit(radians(self.bearing)));
-        self.reported = self.reported + way;
+        let displacement_m = (mm * 1e-3).turned(Point::unit(radians(self.bearing)));
+        self.reported = self.reported + displacement_m;
         self.bearing = self.bearing.plus(turned);
         if turned == Bearing::ZERO && self.merge(at, motion, moved, progress) {
             return;
@@ -187,8 +200,8 @@ impl EventQueue {
         );
     }
 
-    /// Adds a displacement to the previous report if that is of the same kind and nothing came
-    /// between. So a controller on a slow line receives one report for many packets.
+    /// Adds a displacement to the last event if that is a report of the same motion and progress.
+    /// So a controller on a slow line receives one report for many packets.
     fn merge(&mut self, at: Millis, motion: u16, moved: Displacement, progress: Progress) -> bool {
         let place = self.reported;
         let Some(last) = self.events.last_mut() else {
@@ -221,7 +234,7 @@ impl EventQueue {
 }
 
 /// Age of a sonar's echo at the packet, ms. An echo from the future counts as new.
-fn age_ms(state: &NomadState, sensor: usize) -> u32 {
+fn age_ms(state: &NomadReadings, sensor: usize) -> u32 {
     let age_ms = state.time_ms.wrapping_sub(state.sonar_at[sensor].sensed_ms);
     if age_ms < 1 << 31 { age_ms } else { 0 }
 }
@@ -232,16 +245,16 @@ pub(super) fn position(pose: &[i32; 4]) -> Point {
 }
 
 /// Position of the robot and heading of its ring in a packet.
-pub(super) fn pose(state: &NomadState) -> Pose {
-    posed(&state.pose)
+pub(super) fn pose(state: &NomadReadings) -> Pose {
+    to_pose(&state.pose)
 }
 
-/// The same when something was sensed.
+/// The same at the time of a reading.
 pub(super) fn pose_of(place: &PosData) -> Pose {
-    posed(&place.pose)
+    to_pose(&place.pose)
 }
 
-fn posed(pose: &[i32; 4]) -> Pose {
+fn to_pose(pose: &[i32; 4]) -> Pose {
     Pose::new(position(pose), radians(bearing(pose[3])))
 }
 

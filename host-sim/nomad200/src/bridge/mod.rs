@@ -20,7 +20,7 @@ use amp::controller::{self, Outputs, Progress};
 use amp::fixed::Weight;
 use amp::scan::Situation;
 use remote::log::LoggedController;
-use session::refused;
+use session::check_refusal;
 use sim::behavior::is_reached;
 use sim::episode::{Seeds, rounded};
 use sim::error::EpisodeError;
@@ -47,7 +47,7 @@ enum BridgePhase {
     Over,
 }
 
-/// Lets a controller drive the robot of `host`. `progress` is called with the number of moves and
+/// Drives the robot of `host` with a controller. `progress` is called with the number of moves and
 /// steps. The base always stops at the end; the report covers what was driven before an error.
 pub fn drive(
     host: Host,
@@ -107,23 +107,23 @@ impl<'p> Bridge<'p> {
             if interrupted.load(Ordering::Relaxed) {
                 return Err(BridgeError::Interrupted);
             }
-            self.turn()?;
+            self.update()?;
             progress(self.driven.explore_moves + self.driven.steps);
             std::thread::sleep(POLL_INTERVAL);
         }
         Ok(())
     }
 
-    fn turn(&mut self) -> Result<(), BridgeError> {
-        let turn = self.session.update()?;
-        self.driven.distance_m += turn.way_m;
+    fn update(&mut self) -> Result<(), BridgeError> {
+        let update = self.session.update()?;
+        self.driven.distance_m += update.distance_m;
         self.driven.time_s = self.session.time_s();
-        if let (true, Some(open)) = (turn.touched, &mut self.open) {
+        if let (true, Some(open)) = (update.touched, &mut self.open) {
             open.touched = true;
         }
-        if let Some(result) = turn.result {
-            refused(&result.outputs)?;
-            self.conclude(&result)?;
+        if let Some(result) = update.result {
+            check_refusal(&result.outputs)?;
+            self.apply(&result)?;
         }
         match self.phase {
             BridgePhase::Over => Ok(()),
@@ -135,7 +135,7 @@ impl<'p> Bridge<'p> {
     }
 
     /// Counts steps and changes the phase.
-    fn conclude(&mut self, result: &WorkerResult) -> Result<(), BridgeError> {
+    fn apply(&mut self, result: &WorkerResult) -> Result<(), BridgeError> {
         let outputs = &result.outputs;
         if let Some(reason) = outputs
             .stopped
@@ -215,19 +215,19 @@ impl<'p> Bridge<'p> {
     }
 
     fn close(&mut self) {
-        let Some(stride) = self.open.take() else {
+        let Some(step) = self.open.take() else {
             return;
         };
         let driven = &mut self.driven;
         if self.phase == BridgePhase::Explore {
             driven.explore_moves += 1;
-            driven.explore_contacts += u32::from(stride.touched);
+            driven.explore_contacts += u32::from(step.touched);
             return;
         }
         driven.steps += 1;
-        driven.contacts += u32::from(stride.touched);
-        driven.goal_steps += u32::from(stride.at_goal);
-        driven.shield_stops += u32::from(stride.shielded);
+        driven.contacts += u32::from(step.touched);
+        driven.goal_steps += u32::from(step.at_goal);
+        driven.shield_stops += u32::from(step.shielded);
     }
 }
 
@@ -243,19 +243,19 @@ fn mask(sonar: u16) -> StateMask {
     }
 }
 
-/// The end of a motion, if it has ended.
+/// How a motion ended, if it has.
 type Ended = Option<Progress>;
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::NomadState;
+    use crate::NomadReadings;
 
     /// docs/nomad.md: 622 bytes over TCP; 178 over a serial line, 46 ms at 38 400 baud.
     #[test]
     fn answers_are_as_long_as_the_docs_say() {
         let bytes = |sonars: u16| {
-            let payload = NomadState::default().to_payload(&mask(sonars));
+            let payload = NomadReadings::default().to_payload(&mask(sonars));
             payload.len() + "01 LEN LEN TYPE CK 5C".split(' ').count()
         };
         assert_eq!((bytes(u16::MAX), bytes(0xf)), (622, 178));

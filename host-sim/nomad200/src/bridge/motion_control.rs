@@ -3,7 +3,7 @@
 use super::Ended;
 use super::events::position;
 use crate::units::{M_PER_TENTH_INCH, RAD_PER_TENTH_DEGREE, whole};
-use crate::{Host, NomadCommand, NomadState, RobotError};
+use crate::{Host, NomadCommand, NomadReadings, RobotError};
 use amp::controller::{Motion, Progress};
 use amp::units::Displacement;
 use arena::robot::BaseLimits;
@@ -16,12 +16,12 @@ const TURN_SPEED: u16 = 450;
 /// A goal within this angle of the wheels needs no steering, rad.
 const SAME_DIRECTION_RAD: f64 = PI / 180.0;
 
-/// After this time by the robot's clock a motor that was not seen running has already arrived, ms.
+/// A motor that never reported running within this time by the robot's clock has arrived, ms.
 const SETTLE_TIME_MS: u32 = 200;
 
 /// Stage of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-enum Leg {
+enum MotionStage {
     #[default]
     Standing,
     /// Braking; then to the goal, if there is one.
@@ -33,13 +33,12 @@ enum Leg {
 /// The current motion.
 #[derive(Debug, Default)]
 pub(super) struct MotionControl {
-    leg: Leg,
+    stage: MotionStage,
     /// Number of the latest motion.
     id: Option<u16>,
-    /// The robot's time of the latest motor command, and whether the motors have been seen running
-    /// since.
+    /// The robot's time of the latest motor command, and whether the motors have run since.
     sent_ms: u32,
-    seen_running: bool,
+    has_run: bool,
     speed: u16,
     touched: bool,
 }
@@ -52,13 +51,13 @@ impl MotionControl {
 
     /// Whether the base prepares to roll, or still brakes. Braking takes 0.67 s from full speed,
     /// more than the controller allows for a motion without displacement.
-    pub(super) fn is_steering(&self, state: &NomadState) -> bool {
+    pub(super) fn is_steering(&self, state: &NomadReadings) -> bool {
         let [rolling, turning, _] = state.velocity;
-        match self.leg {
-            Leg::Steering(_) | Leg::Braking(Some(_)) => true,
-            Leg::Rolling(_) => !self.seen_running,
-            Leg::Braking(None) => rolling != 0 || turning != 0,
-            Leg::Standing => false,
+        match self.stage {
+            MotionStage::Steering(_) | MotionStage::Braking(Some(_)) => true,
+            MotionStage::Rolling(_) => !self.has_run,
+            MotionStage::Braking(None) => rolling != 0 || turning != 0,
+            MotionStage::Standing => false,
         }
     }
 
@@ -66,31 +65,36 @@ impl MotionControl {
     pub(super) fn begin(
         &mut self,
         host: &mut Host,
-        state: &NomadState,
+        state: &NomadReadings,
         goal: Point,
         motion: &Motion,
     ) -> Result<(), RobotError> {
         // A motion that was cut off does not restart when the controller shortens it.
-        if self.id == Some(motion.id) && matches!(self.leg, Leg::Standing | Leg::Braking(None)) {
+        if self.id == Some(motion.id)
+            && matches!(
+                self.stage,
+                MotionStage::Standing | MotionStage::Braking(None)
+            )
+        {
             return Ok(());
         }
         self.id = Some(motion.id);
-        self.touched &= self.leg != Leg::Standing;
+        self.touched &= self.stage != MotionStage::Standing;
         if motion.displacement == Displacement::ZERO || motion.speed_mm_s == 0 {
             return self.brake(host, state, None);
         }
         self.set_speed(host, motion.speed_mm_s)?;
-        match self.leg {
-            Leg::Standing => self.steer(host, state, goal),
-            Leg::Steering(_) => {
-                self.leg = Leg::Steering(goal);
+        match self.stage {
+            MotionStage::Standing => self.steer(host, state, goal),
+            MotionStage::Steering(_) => {
+                self.stage = MotionStage::Steering(goal);
                 Ok(())
             }
-            Leg::Braking(_) => {
-                self.leg = Leg::Braking(Some(goal));
+            MotionStage::Braking(_) => {
+                self.stage = MotionStage::Braking(Some(goal));
                 Ok(())
             }
-            Leg::Rolling(_) => self.change_goal(host, state, goal),
+            MotionStage::Rolling(_) => self.change_goal(host, state, goal),
         }
     }
 
@@ -98,25 +102,29 @@ impl MotionControl {
     pub(super) fn follow(
         &mut self,
         host: &mut Host,
-        state: &NomadState,
+        state: &NomadReadings,
     ) -> Result<Ended, RobotError> {
         let running = state.motors & 0b11 != 0 || state.velocity[0] != 0 || state.velocity[1] != 0;
-        self.seen_running |= running;
+        self.has_run |= running;
         let waited_ms = state.time_ms.wrapping_sub(self.sent_ms);
-        if self.leg == Leg::Standing
+        if self.stage == MotionStage::Standing
             || running
-            || !(self.seen_running || waited_ms >= SETTLE_TIME_MS)
+            || !(self.has_run || waited_ms >= SETTLE_TIME_MS)
         {
             return Ok(None);
         }
-        match self.leg {
+        match self.stage {
             // Wheels that were stopped while steering are turned again.
-            Leg::Braking(Some(goal)) | Leg::Steering(goal) => self.steer(host, state, goal)?,
-            Leg::Braking(None) | Leg::Rolling(_) | Leg::Standing => self.leg = Leg::Standing,
+            MotionStage::Braking(Some(goal)) | MotionStage::Steering(goal) => {
+                self.steer(host, state, goal)?
+            }
+            MotionStage::Braking(None) | MotionStage::Rolling(_) | MotionStage::Standing => {
+                self.stage = MotionStage::Standing
+            }
         }
-        let ended = match (self.leg, self.touched) {
-            (Leg::Standing, true) => Some(Progress::Touched),
-            (Leg::Standing, false) => Some(Progress::Ended),
+        let ended = match (self.stage, self.touched) {
+            (MotionStage::Standing, true) => Some(Progress::Touched),
+            (MotionStage::Standing, false) => Some(Progress::Ended),
             _ => None,
         };
         self.touched &= ended.is_none();
@@ -125,21 +133,24 @@ impl MotionControl {
 
     /// A bumper was pressed.
     pub(super) fn touched(&mut self, host: &mut Host) -> Result<(), RobotError> {
-        if self.leg == Leg::Standing {
+        if self.stage == MotionStage::Standing {
             return Ok(());
         }
         self.touched = true;
-        self.leg = Leg::Braking(None);
+        self.stage = MotionStage::Braking(None);
         host.request(&NomadCommand::Stop)?;
         Ok(())
     }
 
     /// The controller was silent for too long. Returns whether this stopped a motion.
     pub(super) fn expire(&mut self, host: &mut Host) -> Result<bool, RobotError> {
-        if matches!(self.leg, Leg::Standing | Leg::Braking(None)) {
+        if matches!(
+            self.stage,
+            MotionStage::Standing | MotionStage::Braking(None)
+        ) {
             return Ok(false);
         }
-        self.leg = Leg::Braking(None);
+        self.stage = MotionStage::Braking(None);
         host.request(&NomadCommand::Stop)?;
         Ok(true)
     }
@@ -147,10 +158,10 @@ impl MotionControl {
     fn brake(
         &mut self,
         host: &mut Host,
-        state: &NomadState,
+        state: &NomadReadings,
         then: Option<Point>,
     ) -> Result<(), RobotError> {
-        self.leg = Leg::Braking(then);
+        self.stage = MotionStage::Braking(then);
         self.send(host, state, &NomadCommand::Stop)
     }
 
@@ -159,11 +170,11 @@ impl MotionControl {
     fn steer(
         &mut self,
         host: &mut Host,
-        state: &NomadState,
+        state: &NomadReadings,
         goal: Point,
     ) -> Result<(), RobotError> {
-        let way = goal - position(&state.pose);
-        let mut turn = wrap_angle(way.angle() - steering(state));
+        let direction = (goal - position(&state.pose)).angle();
+        let mut turn = wrap_angle(direction - steering(state));
         if turn.abs() > FRAC_PI_2 {
             turn -= if turn > 0.0 { PI } else { -PI };
         }
@@ -172,19 +183,24 @@ impl MotionControl {
         }
         // Within ±900.
         let units = whole(turn, RAD_PER_TENTH_DEGREE) as i16;
-        self.leg = Leg::Steering(goal);
+        self.stage = MotionStage::Steering(goal);
         self.send(host, state, &NomadCommand::Relative([0, units, 0]))
     }
 
     /// Rolls along the wheels up to the goal, never farther.
-    fn roll(&mut self, host: &mut Host, state: &NomadState, goal: Point) -> Result<(), RobotError> {
+    fn roll(
+        &mut self,
+        host: &mut Host,
+        state: &NomadReadings,
+        goal: Point,
+    ) -> Result<(), RobotError> {
         let along = (goal - position(&state.pose)).dot(Point::unit(steering(state)));
         // Rounded towards zero.
         let units = (along / M_PER_TENTH_INCH) as i16;
         if units == 0 {
             return self.brake(host, state, None);
         }
-        self.leg = Leg::Rolling(goal);
+        self.stage = MotionStage::Rolling(goal);
         self.send(host, state, &NomadCommand::Relative([units, 0, 0]))
     }
 
@@ -193,14 +209,14 @@ impl MotionControl {
     fn change_goal(
         &mut self,
         host: &mut Host,
-        state: &NomadState,
+        state: &NomadReadings,
         goal: Point,
     ) -> Result<(), RobotError> {
-        let way = (goal - position(&state.pose)).turned_back(Point::unit(steering(state)));
+        let to_goal = (goal - position(&state.pose)).turned_back(Point::unit(steering(state)));
         let speed = f64::from(state.velocity[0]) * M_PER_TENTH_INCH;
-        let ahead = way.x * if speed < 0.0 { -1.0 } else { 1.0 };
+        let ahead = to_goal.x * if speed < 0.0 { -1.0 } else { 1.0 };
         let stopping = speed * speed / (2.0 * BaseLimits::default().acceleration_m_s2);
-        let aside = way.y.abs() > ahead.abs() * SAME_DIRECTION_RAD + M_PER_TENTH_INCH;
+        let aside = to_goal.y.abs() > ahead.abs() * SAME_DIRECTION_RAD + M_PER_TENTH_INCH;
         if speed == 0.0 || aside {
             self.brake(host, state, Some(goal))
         } else if ahead <= stopping {
@@ -214,11 +230,11 @@ impl MotionControl {
     fn send(
         &mut self,
         host: &mut Host,
-        state: &NomadState,
+        state: &NomadReadings,
         command: &NomadCommand,
     ) -> Result<(), RobotError> {
         // A stopped motor has already ended; a commanded motion may not have begun.
-        (self.sent_ms, self.seen_running) = (state.time_ms, *command == NomadCommand::Stop);
+        (self.sent_ms, self.has_run) = (state.time_ms, *command == NomadCommand::Stop);
         host.request(command).map(drop)
     }
 
@@ -234,7 +250,7 @@ impl MotionControl {
     }
 }
 
-fn steering(state: &NomadState) -> f64 {
+fn steering(state: &NomadReadings) -> f64 {
     f64::from(state.pose[2]) * RAD_PER_TENTH_DEGREE
 }
 

@@ -1,10 +1,10 @@
-//! A robot and the controller that drives it; what they do is decided elsewhere.
+//! Connects a robot with its controller; the caller decides what they do.
 
 use super::events::{self, EventQueue};
 use super::motion_control::MotionControl;
 use super::worker::{Worker, WorkerResult, WorkerTask};
 use super::{BridgeError, mask};
-use crate::{Host, NomadCommand, NomadState, RobotError};
+use crate::{Host, NomadCommand, NomadReadings, RobotError};
 use amp::config::Config;
 use amp::controller::{self, Outputs, Progress};
 use amp::node::MOTION_TTL_MS;
@@ -31,7 +31,7 @@ const TTL: Duration = Duration::from_millis(MOTION_TTL_MS as u64);
 /// Distance between two poses in the log, m.
 const LOG_DISTANCE_M: f64 = 0.01;
 
-/// What the controller does.
+/// Activity of the controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Activity {
     /// The robot stands.
@@ -42,13 +42,13 @@ pub enum Activity {
     Learning,
 }
 
-/// What has happened since the last update.
+/// Changes since the last update.
 #[derive(Default)]
 pub struct SessionUpdate {
     /// A bumper was pressed.
     pub touched: bool,
     /// Distance rolled, m.
-    pub way_m: f64,
+    pub distance_m: f64,
     /// Result of the worker.
     pub result: Option<WorkerResult>,
 }
@@ -59,7 +59,7 @@ pub struct BridgeSession {
     worker: Worker,
     events: EventQueue,
     motion: MotionControl,
-    state: NomadState,
+    state: NomadReadings,
     sonars_at_once: u32,
     silence_ms: u32,
     pressed: bool,
@@ -68,7 +68,7 @@ pub struct BridgeSession {
     expired: u32,
     log: Option<SharedLog<LogOutput>>,
     /// Position of the latest pose in the log.
-    logged: Option<Point>,
+    logged_position: Option<Point>,
 }
 
 impl BridgeSession {
@@ -99,7 +99,7 @@ impl BridgeSession {
             worker: Worker::start(controller),
             events: EventQueue::default(),
             motion: MotionControl::default(),
-            state: NomadState::default(),
+            state: NomadReadings::default(),
             sonars_at_once,
             silence_ms: u32::from(config.robot.ring_period_ms) * MAX_SILENT_RINGS,
             pressed: false,
@@ -107,7 +107,7 @@ impl BridgeSession {
             decided_ms: 0,
             expired: 0,
             log,
-            logged: None,
+            logged_position: None,
         };
         session.state = session.poll()?;
         session.events.begin(&session.state);
@@ -122,7 +122,8 @@ impl BridgeSession {
     pub fn update(&mut self) -> Result<SessionUpdate, BridgeError> {
         let before = std::mem::take(&mut self.state);
         self.state = self.poll()?;
-        let way_m = events::position(&self.state.pose).distance(events::position(&before.pose));
+        let distance_m =
+            events::position(&self.state.pose).distance(events::position(&before.pose));
         let touched = self.check_bumpers()?;
         // Before the motion changes, because this packet cannot show the change.
         let is_steering = self.motion.is_steering(&self.state);
@@ -138,7 +139,7 @@ impl BridgeSession {
         self.write_log(touched, result.as_ref());
         Ok(SessionUpdate {
             touched,
-            way_m,
+            distance_m,
             result,
         })
     }
@@ -159,18 +160,18 @@ impl BridgeSession {
     ///
     /// # Errors
     /// When the controller has taken no decision for long.
-    pub fn deliver_events(&mut self, at: Activity) -> Result<(), BridgeError> {
+    pub fn deliver_events(&mut self, activity: Activity) -> Result<(), BridgeError> {
         let is_idle = self.worker.is_idle();
         if is_idle {
             let new_events = self.events.take_events();
             if !new_events.is_empty() {
                 self.worker.submit(WorkerTask::Events(new_events));
             }
-        } else if at != Activity::Learning && self.worker.busy_for() > TTL {
+        } else if activity != Activity::Learning && self.worker.busy_for() > TTL {
             self.expired += u32::from(self.motion.expire(&mut self.host)?);
         }
         let silent_ms = self.state.time_ms.wrapping_sub(self.decided_ms);
-        if at == Activity::Moving && silent_ms > self.silence_ms && is_idle {
+        if activity == Activity::Moving && silent_ms > self.silence_ms && is_idle {
             return Err(BridgeError::Controller(EpisodeError::Silent));
         }
         Ok(())
@@ -249,20 +250,20 @@ impl BridgeSession {
     }
 
     /// Polls the robot's state; repeats the request if the answer is lost.
-    fn poll(&mut self) -> Result<NomadState, BridgeError> {
+    fn poll(&mut self) -> Result<NomadReadings, BridgeError> {
         let mut result = Err(RobotError::Silent {
             waited: Duration::ZERO,
         });
         let all = self.sonars_at_once >= 16;
         for _ in 0..ATTEMPTS {
             // A `ct` is answered under its own mask, so one request selects and reads sonars.
-            let question = if all && *self.host.mask() == mask(u16::MAX) {
+            let request = if all && *self.host.mask() == mask(u16::MAX) {
                 NomadCommand::GetState
             } else {
                 let sonars = self.events.oldest_sonars(self.sonars_at_once);
                 NomadCommand::Communicate(mask(sonars))
             };
-            result = self.host.request(&question).cloned();
+            result = self.host.request(&request).cloned();
             if !matches!(result, Err(RobotError::Silent { .. })) {
                 break;
             }
@@ -291,7 +292,7 @@ impl BridgeSession {
         let (now, pose) = (self.events.now(), events::pose(&self.state));
         let decided = result.is_some_and(|result| result.outputs.decision.is_some());
         let stood = self
-            .logged
+            .logged_position
             .is_some_and(|logged| logged.distance(pose.position) < LOG_DISTANCE_M);
         let ranges_m = self.ranges_m();
         log.write(|log| {
@@ -307,13 +308,13 @@ impl BridgeSession {
             log.pass_time(now);
         });
         if !stood || decided || touched {
-            self.logged = Some(pose.position);
+            self.logged_position = Some(pose.position);
         }
     }
 }
 
 /// Turns a refusal into an error.
-pub(super) fn refused(outputs: &Outputs<16>) -> Result<(), BridgeError> {
+pub(super) fn check_refusal(outputs: &Outputs<16>) -> Result<(), BridgeError> {
     let refused = outputs.refusal.map(EpisodeError::Refused);
     refused.map_or(Ok(()), |failure| Err(BridgeError::Controller(failure)))
 }

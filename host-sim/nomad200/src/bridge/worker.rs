@@ -7,7 +7,7 @@ use amp::units::Millis;
 use arena::world::Point;
 use remote::log::LoggedController;
 use sim::error::EpisodeError;
-use sim::pilot::{HeardEcho, Pilot, SimState};
+use sim::pilot::{AgedEcho, Pilot, SimState};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -68,9 +68,9 @@ pub(super) struct Worker {
 impl Worker {
     /// Starts the thread.
     pub(super) fn start(pilot: LoggedController) -> Self {
-        let (tasks, todo) = channel();
-        let (done, results) = channel();
-        let thread = std::thread::spawn(move || run(pilot, &todo, &done));
+        let (tasks, task_queue) = channel();
+        let (result_queue, results) = channel();
+        let thread = std::thread::spawn(move || run(pilot, &task_queue, &result_queue));
         Self {
             tasks: Some(tasks),
             results,
@@ -87,7 +87,7 @@ impl Worker {
         }
         self.pending += 1;
         if let Some(tasks) = &self.tasks {
-            // A thread that has ended is reported by `poll`.
+            // `poll` reports a thread that has ended.
             let _ = tasks.send(task);
         }
     }
@@ -134,13 +134,13 @@ impl Worker {
 
 fn run(
     mut pilot: LoggedController,
-    todo: &Receiver<WorkerTask>,
-    done: &Sender<Result<WorkerResult, EpisodeError>>,
+    tasks: &Receiver<WorkerTask>,
+    results: &Sender<Result<WorkerResult, EpisodeError>>,
 ) {
-    while let Ok(task) = todo.recv() {
+    while let Ok(task) = tasks.recv() {
         let result = execute(&mut pilot, task);
         let result = pilot.failure().map_or(result, Err);
-        if done.send(result).is_err() {
+        if results.send(result).is_err() {
             break;
         }
     }
@@ -174,7 +174,7 @@ fn execute(pilot: &mut LoggedController, task: WorkerTask) -> Result<WorkerResul
 pub(super) fn deliver(pilot: &mut impl Pilot, events: &[TimedEvent]) -> WorkerResult {
     let mut all = WorkerResult::of(ResultKind::Events, Outputs::NONE);
     for group in events.chunk_by(|_, next| is_echo(next)) {
-        // A group begins with an event that is no echo.
+        // Only the first event of a group may be no echo.
         let (first, echoes) = match group.split_first() {
             Some((first, echoes)) if !is_echo(first) => (Some(first), echoes),
             _ => (None, group),
@@ -215,7 +215,7 @@ impl WorkerResult {
             return;
         };
         let echo = |event: &TimedEvent| match event.event {
-            Event::Echo { sensor, range } => Some(HeardEcho {
+            Event::Echo { sensor, range } => Some(AgedEcho {
                 sensor,
                 range,
                 age_ms: last.at.since(event.at) + event.age_ms,
@@ -223,10 +223,10 @@ impl WorkerResult {
             _ => None,
         };
         let echoes: Vec<_> = events.iter().filter_map(echo).collect();
-        let mut left = &echoes[..];
-        while !left.is_empty() {
-            let (taken, outputs) = pilot.echoes(last.at, left);
-            left = left.get(taken.max(1)..).unwrap_or(&[]);
+        let mut rest = &echoes[..];
+        while !rest.is_empty() {
+            let (taken, outputs) = pilot.echoes(last.at, rest);
+            rest = rest.get(taken.max(1)..).unwrap_or(&[]);
             self.add(last, outputs);
         }
     }
@@ -238,8 +238,8 @@ impl WorkerResult {
         self.outputs.refusal = self.outputs.refusal.or(outputs.refusal);
         if let Some(motion) = outputs.motion {
             let [x, y] = [motion.displacement.dx_mm, motion.displacement.dy_mm];
-            let way = Point::new(f64::from(x), f64::from(y)) * 1e-3;
-            let goal = event.place + way.turned(Point::unit(event.ring));
+            let displacement_m = Point::new(f64::from(x), f64::from(y)) * 1e-3;
+            let goal = event.place + displacement_m.turned(Point::unit(event.ring));
             self.outputs.motion = Some(motion);
             self.motion = Some((goal, motion));
         }
@@ -273,7 +273,7 @@ mod tests {
             Outputs::NONE
         }
 
-        fn echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> (usize, Outputs<16>) {
+        fn echoes(&mut self, at: Millis, echoes: &[AgedEcho]) -> (usize, Outputs<16>) {
             let sensors = echoes.iter().map(|echo| (echo.sensor, echo.age_ms));
             let sensors: Vec<_> = sensors.collect();
             let moves = echoes.iter().any(|echo| echo.sensor == self.moves_at);
@@ -305,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn echoes_of_one_place_and_time_go_together_and_a_motion_begins_where_it_was_asked_for() {
+    fn echoes_of_one_place_and_time_are_delivered_together_with_the_motion_goal_there() {
         let echo = |at_ms, x, sensor| {
             event(
                 at_ms,

@@ -1,4 +1,5 @@
 use super::*;
+use crate::Packet;
 use crate::mask::tests::masks;
 use arena::sonar::FIRING_ORDER;
 use proptest::prelude::*;

@@ -62,7 +62,7 @@ fn requests_are_the_robots_commands() {
 
 #[test]
 fn a_state_is_the_librarys_vector_and_what_follows_it() {
-    let state = NomadState {
+    let state = NomadReadings {
         sonar: [77; 16],
         bumpers: 3,
         pose: [1, -2, 3, 4],
@@ -70,7 +70,7 @@ fn a_state_is_the_librarys_vector_and_what_follows_it() {
         motors: 1,
         compass: 900,
         time_ms: 1_000,
-        ..NomadState::default()
+        ..NomadReadings::default()
     };
     let message = answer(Kind::Gs as u8, &state, &StateMask::ALL, 2);
     let numbers = &message.numbers;

@@ -18,63 +18,75 @@ impl SimulatedNomad {
     /// [`answer`](Self::answer) returns it later. A new command cancels a delayed answer.
     ///
     /// Torques and packets with an unknown payload are answered with NAK.
-    pub fn take(&mut self, command: &NomadCommand) -> Option<Packet> {
+    pub fn execute(&mut self, command: &NomadCommand) -> Option<Packet> {
         self.last_command_ms = self.time_ms();
         self.pending = None;
         if is_motion(command) {
             self.zeroing = false;
         }
         match command {
-            NomadCommand::Velocity(wanted) => self.each(*wanted, Self::run),
-            NomadCommand::Relative(wanted) => self.each(*wanted, Self::move_by),
-            NomadCommand::Absolute(wanted) => self.each(*wanted, Self::move_to),
-            NomadCommand::Move(axes) => {
-                if axes.iter().any(|(mode, _)| is_torque(*mode)) {
-                    return Some(nak());
-                }
-                for (axis, (mode, value)) in Axis::ALL.into_iter().zip(*axes) {
-                    self.move_axis(axis, mode, value);
-                }
+            NomadCommand::Move(axes) if axes.iter().any(|(mode, _)| is_torque(*mode)) => {
+                return Some(nak());
             }
-            // Limp and holding motors stop the body alike.
-            NomadCommand::Stop | NomadCommand::Limp => self.hold(),
-            NomadCommand::Speeds(speeds) => {
-                for (axis, speed) in Axis::ALL.into_iter().zip(*speeds) {
-                    self.set_speed(axis, f64::from(speed));
-                }
-            }
-            NomadCommand::Accelerations(accelerations) => {
-                for (axis, acceleration) in Axis::ALL.into_iter().zip(*accelerations) {
-                    self.set_acceleration(axis, f64::from(acceleration));
-                }
-            }
+            NomadCommand::Opaque(..) => return Some(nak()),
             NomadCommand::Zero => {
                 self.begin_zeroing();
                 return None;
             }
             NomadCommand::WaitForStop { axes, timeout_s } => {
-                let wait_ms = u32::from(*timeout_s) * MS_PER_S;
-                self.pending = Some(PendingAnswer {
-                    kind: Kind::Ws,
-                    axes: *axes,
-                    until_ms: Some(self.time_ms().wrapping_add(wait_ms)),
-                });
-                return self.answer();
+                return self.wait_for_stop(*axes, *timeout_s);
             }
             NomadCommand::Get(group) => return Some(self.group_packet(*group)),
-            NomadCommand::Opaque(..) => return Some(nak()),
-            NomadCommand::ConfigureCompass(mode) => {
-                self.compass_on = *mode == 1;
-                // Three values of a calibration, which is not simulated.
-                return Some(Packet::new(Kind::ConfCp, vec![0; 3]));
-            }
+            NomadCommand::ConfigureCompass(mode) => return Some(self.configure_compass(*mode)),
+            _ if is_motion(command) => self.begin_motion(command),
             _ => self.configure(command),
         }
         Some(self.state_packet(command.kind()))
     }
 
+    fn begin_motion(&mut self, command: &NomadCommand) {
+        match command {
+            NomadCommand::Velocity(wanted) => self.for_each_axis(*wanted, Self::run),
+            NomadCommand::Relative(wanted) => self.for_each_axis(*wanted, Self::move_by),
+            NomadCommand::Absolute(wanted) => self.for_each_axis(*wanted, Self::move_to),
+            NomadCommand::Move(axes) => {
+                for (axis, (mode, value)) in Axis::ALL.into_iter().zip(*axes) {
+                    self.move_axis(axis, mode, value);
+                }
+            }
+            // `st` and `lp`: limp and holding motors stop the body alike.
+            _ => self.hold(),
+        }
+    }
+
+    fn wait_for_stop(&mut self, axes: [bool; 3], timeout_s: u8) -> Option<Packet> {
+        let timeout_ms = u32::from(timeout_s) * MS_PER_S;
+        self.pending = Some(PendingAnswer {
+            kind: Kind::Ws,
+            axes,
+            until_ms: Some(self.time_ms().wrapping_add(timeout_ms)),
+        });
+        self.answer()
+    }
+
+    /// The answer has three values of a calibration, which is not simulated.
+    fn configure_compass(&mut self, mode: u8) -> Packet {
+        self.compass_on = mode == 1;
+        Packet::new(Kind::ConfCp, vec![0; 3])
+    }
+
     fn configure(&mut self, command: &NomadCommand) {
         match command {
+            NomadCommand::Speeds(speeds) => {
+                self.for_each_axis(*speeds, |robot, axis, speed| {
+                    robot.set_speed(axis, f64::from(speed));
+                });
+            }
+            NomadCommand::Accelerations(accelerations) => {
+                self.for_each_axis(*accelerations, |robot, axis, acceleration| {
+                    robot.set_acceleration(axis, f64::from(acceleration));
+                });
+            }
             NomadCommand::Communicate(mask) => self.mask = *mask,
             NomadCommand::DefinePosition([x, y]) => {
                 let position = Point::new(f64::from(*x), f64::from(*y)) * M_PER_TENTH_INCH;
@@ -99,9 +111,9 @@ impl SimulatedNomad {
         }
     }
 
-    fn each(&mut self, wanted: [i16; 3], each: fn(&mut Self, Axis, i16)) {
-        for (axis, value) in Axis::ALL.into_iter().zip(wanted) {
-            each(self, axis, value);
+    fn for_each_axis<T>(&mut self, values: [T; 3], set: fn(&mut Self, Axis, T)) {
+        for (axis, value) in Axis::ALL.into_iter().zip(values) {
+            set(self, axis, value);
         }
     }
 
@@ -122,9 +134,9 @@ impl SimulatedNomad {
         self.axes.run(axis, velocity, &mut self.noise);
     }
 
-    fn move_by(&mut self, axis: Axis, way: i16) {
-        let goal = self.axes.at(axis) + f64::from(way) * PER_UNIT[axis as usize];
-        if way == 0 {
+    fn move_by(&mut self, axis: Axis, amount: i16) {
+        let goal = self.axes.at(axis) + f64::from(amount) * PER_UNIT[axis as usize];
+        if amount == 0 {
             self.axes.hold(axis);
         } else {
             self.axes.go_to(axis, goal, &mut self.noise);
@@ -171,7 +183,7 @@ impl SimulatedNomad {
         });
     }
 
-    /// Sets all angles to zero once everything stands.
+    /// Sets all angles to zero once all axes stand.
     pub(super) fn finish_zeroing(&mut self) {
         if Axis::ALL.into_iter().any(|axis| self.axes.is_active(axis)) {
             return;

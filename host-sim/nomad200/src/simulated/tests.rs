@@ -20,15 +20,15 @@ fn robot() -> SimulatedNomad {
 }
 
 /// Executes a command and decodes its answer as a host does.
-fn send(robot: &mut SimulatedNomad, command: &NomadCommand) -> NomadState {
-    let packet = robot.take(command).expect("an answer at once");
+fn send(robot: &mut SimulatedNomad, command: &NomadCommand) -> NomadReadings {
+    let packet = robot.execute(command).expect("an answer at once");
     assert_eq!(packet.kind, command.kind() as u8);
-    let mut state = NomadState::default();
+    let mut state = NomadReadings::default();
     state.take_payload(robot.mask(), &packet.payload).unwrap();
     state
 }
 
-fn state(robot: &mut SimulatedNomad) -> NomadState {
+fn state(robot: &mut SimulatedNomad) -> NomadReadings {
     send(robot, &NomadCommand::GetState)
 }
 
@@ -109,7 +109,7 @@ fn each_axis_moves_in_its_own_way() {
     assert_eq!(state.pose[2..], [100, 0]);
     let torque = NomadCommand::Move([(AxisMode::Torque, 1); 3]);
     assert_eq!(
-        robot.take(&torque).map(|packet| packet.kind),
+        robot.execute(&torque).map(|packet| packet.kind),
         Some(Kind::Nak as u8)
     );
 }
@@ -196,16 +196,20 @@ fn masks_make_packets_shorter_and_groups_ignore_them() {
         ..StateMask::NONE
     };
     let command = NomadCommand::Communicate(mask);
-    let packet = robot.take(&command).unwrap();
+    let packet = robot.execute(&command).unwrap();
     assert_eq!(packet.payload.len(), 1 + 36 + 7);
-    let all = robot.take(&NomadCommand::Get(ReadingGroup::Sonar)).unwrap();
+    let all = robot
+        .execute(&NomadCommand::Get(ReadingGroup::Sonar))
+        .unwrap();
     assert_eq!(all.payload.len(), 16 + 16 * 36 + 4);
-    let pose = robot.take(&NomadCommand::Get(ReadingGroup::Pose)).unwrap();
+    let pose = robot
+        .execute(&NomadCommand::Get(ReadingGroup::Pose))
+        .unwrap();
     assert_eq!(pose.payload, [0; 8]);
 }
 
 #[test]
-fn a_wall_is_felt_heard_and_seen() {
+fn a_wall_is_detected_by_bumper_sonar_and_infrared() {
     let mut robot = robot_in(hall(1.0));
     send(&mut robot, &NomadCommand::Relative([900, 0, 0]));
     robot.advance(5_000);
@@ -233,7 +237,7 @@ fn positions_and_angles_are_what_the_host_says_they_are() {
     // Zero is the base's front, whatever the angles were.
     send(&mut robot, &NomadCommand::Relative([0, 450, -450]));
     robot.advance(5_000);
-    assert_eq!(robot.take(&NomadCommand::Zero), None);
+    assert_eq!(robot.execute(&NomadCommand::Zero), None);
     let mut waited_ms = 0;
     let packet = loop {
         robot.advance(1);
@@ -254,10 +258,10 @@ fn waiting_ends_with_the_motion_or_with_patience() {
     let wait = |axes, timeout_s| NomadCommand::WaitForStop { axes, timeout_s };
     let mut robot = robot();
     // Nothing to wait for.
-    assert!(robot.take(&wait([true; 3], 20)).is_some());
+    assert!(robot.execute(&wait([true; 3], 20)).is_some());
     send(&mut robot, &NomadCommand::Velocity([50, 0, 0]));
-    assert!(robot.take(&wait([false, true, true], 20)).is_some());
-    assert_eq!(robot.take(&wait([true, false, false], 2)), None);
+    assert!(robot.execute(&wait([false, true, true], 20)).is_some());
+    assert_eq!(robot.execute(&wait([true, false, false], 2)), None);
     robot.advance(1_999);
     assert_eq!(robot.answer(), None);
     robot.advance(1);
@@ -270,9 +274,9 @@ fn waiting_ends_with_the_motion_or_with_patience() {
 fn the_seed_is_all_there_is_to_chance() {
     let drive = |seed: u64| {
         let mut robot = SimulatedNomad::new(World::paper().unwrap(), SonarModel::Harsh, seed);
-        robot.take(&NomadCommand::Velocity([100, 100, 0]));
+        robot.execute(&NomadCommand::Velocity([100, 100, 0]));
         robot.advance(3_000);
-        robot.take(&NomadCommand::GetState)
+        robot.execute(&NomadCommand::GetState)
     };
     assert_eq!(drive(3), drive(3));
     assert_ne!(drive(3), drive(4));

@@ -20,7 +20,7 @@ fn place() -> impl Strategy<Value = PosData> {
     })
 }
 
-fn states() -> impl Strategy<Value = NomadState> {
+fn states() -> impl Strategy<Value = NomadReadings> {
     let rings = (
         prop::array::uniform16(0..16_u8),
         any::<[u8; 16]>(),
@@ -45,7 +45,7 @@ fn states() -> impl Strategy<Value = NomadState> {
         let (pose, velocity, acceleration) = motion;
         let ((compass, motors, time_ms, cpu_voltage, motor_voltage), laser) = rest;
         let (infrared_at, sonar_at, [bumpers_at, laser_at, compass_at]) = places;
-        NomadState {
+        NomadReadings {
             infrared,
             sonar,
             bumpers,
@@ -71,7 +71,7 @@ proptest! {
     #[test]
     fn a_state_comes_back_under_every_mask(state in states(), mask in masks()) {
         let payload = state.to_payload(&mask);
-        let mut there = NomadState::default();
+        let mut there = NomadReadings::default();
         prop_assert_eq!(there.take_payload(&mask, &payload), Ok(()));
         // A decoded packet encodes to the same bytes.
         prop_assert_eq!(there.to_payload(&mask), payload.clone());
@@ -89,7 +89,7 @@ proptest! {
     fn every_group_comes_back(state in states(), mask in masks()) {
         for group in ReadingGroup::ALL {
             let payload = state.to_group(group, &mask);
-            let mut there = NomadState::default();
+            let mut there = NomadReadings::default();
             prop_assert_eq!(there.take_group(group, &mask, &payload), Ok(()));
             prop_assert_eq!(there.to_group(group, &mask), payload.clone());
             let mut over = state.clone();
@@ -100,7 +100,7 @@ proptest! {
 
     #[test]
     fn any_bytes_are_a_state_or_refused(payload in prop::collection::vec(any::<u8>(), 0..200), mask in masks()) {
-        let mut state = NomadState::default();
+        let mut state = NomadReadings::default();
         let _ = state.take_payload(&mask, &payload);
         for group in ReadingGroup::ALL {
             let _ = state.take_group(group, &mask, &payload);
@@ -111,7 +111,7 @@ proptest! {
 /// Derived by hand.
 #[test]
 fn readings_have_their_order_and_their_bytes() {
-    let state = NomadState {
+    let state = NomadReadings {
         infrared: std::array::from_fn(|i| i as u8),
         sonar: std::array::from_fn(|i| 100 + i as u8),
         bumpers: 1 << 19 | 1,
@@ -122,7 +122,7 @@ fn readings_have_their_order_and_their_bytes() {
         time_ms: 0x0102_0304,
         cpu_voltage: 250,
         motor_voltage: 251,
-        ..NomadState::default()
+        ..NomadReadings::default()
     };
     // Infrared 0, 1 and 15; sonar 8; no laser.
     let mask = StateMask {

@@ -7,7 +7,7 @@ use amp::fixed::Mask;
 use amp::units::Millis;
 use files::error::BadInput;
 use sim::error::EpisodeError;
-use sim::pilot::{HeardEcho, InspectableController as _, LocalController, Pilot, SimState};
+use sim::pilot::{AgedEcho, InspectableController as _, LocalController, Pilot, SimState};
 
 /// Place of a controller.
 pub enum ControllerPlace {
@@ -18,7 +18,7 @@ pub enum ControllerPlace {
 }
 
 /// A remote controller's state is read again after this many decisions.
-const FETCH: u32 = 20;
+const DECISIONS_PER_READ: u32 = 20;
 
 /// A controller, local or remote.
 pub enum AnyController {
@@ -108,7 +108,7 @@ impl AnyController {
     pub fn invalidate_cache(&mut self, at_once: bool) {
         if let Self::Link(remote) = self {
             remote.decisions += 1;
-            if at_once || remote.decisions >= FETCH {
+            if at_once || remote.decisions >= DECISIONS_PER_READ {
                 (remote.state, remote.decisions) = (None, 0);
             }
         }
@@ -177,7 +177,7 @@ impl Pilot for AnyController {
         }
     }
 
-    fn echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> (usize, Outputs<16>) {
+    fn echoes(&mut self, at: Millis, echoes: &[AgedEcho]) -> (usize, Outputs<16>) {
         match self {
             Self::Host(controller) => controller.echoes(at, echoes),
             Self::Link(remote) => remote.controller.echoes(at, echoes),

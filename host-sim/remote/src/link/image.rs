@@ -15,7 +15,7 @@ const PROFILE: &str = "chip";
 /// [`LinkError::Open`] without the sources, without cargo, or when the build fails.
 pub fn build(machine: &Machine) -> Result<PathBuf, LinkError> {
     let root = project().ok_or_else(|| {
-        refused("the firmware's sources are not here: start this in the project's folder, or give an image with --firmware ELF")
+        open_error("the firmware's sources are not here: start this in the project's folder, or give an image with --firmware ELF")
     })?;
     let folder = root.join("target").join("qemu");
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
@@ -35,18 +35,18 @@ pub fn build(machine: &Machine) -> Result<PathBuf, LinkError> {
             let folder = folder.join(machine.target).join(PROFILE);
             Ok(folder.join(machine.program))
         }
-        Ok(_) => Err(refused(&format!(
+        Ok(_) => Err(open_error(&format!(
             "the firmware could not be built, see above (once: `rustup target add {}`)",
             machine.target
         ))),
-        Err(error) if error.kind() == ErrorKind::NotFound => Err(refused(
+        Err(error) if error.kind() == ErrorKind::NotFound => Err(open_error(
             "there is no cargo to build the firmware with: install Rust (https://rustup.rs), or give an image with --firmware ELF",
         )),
-        Err(error) => Err(refused(&format!("cargo cannot be started: {error}"))),
+        Err(error) => Err(open_error(&format!("cargo cannot be started: {error}"))),
     }
 }
 
-fn refused(why: &str) -> LinkError {
+fn open_error(why: &str) -> LinkError {
     LinkError::Open { why: why.into() }
 }
 

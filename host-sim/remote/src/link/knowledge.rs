@@ -2,9 +2,9 @@
 
 use super::{Fingerprint, LinkError, Session, next_number};
 use amp::config::Config;
+use amp::config::MAX_CONFIG;
 use amp::controller::StatePart;
 use amp::goal::{Goal, Name, NamedGoal, NamedGoals};
-use amp::config::MAX_CONFIG;
 use amp::som::Grid;
 use amp::store::{Contents, ContentsMut};
 use amp::wire::message::{
@@ -35,7 +35,7 @@ pub struct Knowledge {
     config: Config<16>,
     state: Box<SimState>,
     goal: Goal<16>,
-    goals: NamedGoals<16>,
+    named_goals: NamedGoals<16>,
 }
 
 impl Knowledge {
@@ -48,7 +48,7 @@ impl Knowledge {
     fn new(config: Config<16>, state: SimState) -> Self {
         Self {
             goal: Goal::avoiding(&config),
-            goals: NamedGoals::new(),
+            named_goals: NamedGoals::new(),
             state: Box::new(state),
             config,
         }
@@ -68,8 +68,8 @@ impl Knowledge {
             if name == Name::NONE {
                 knowledge.goal = goal;
             } else {
-                let kept = knowledge.goals.save(NamedGoal { name, goal });
-                kept.map_err(|_| LinkError::Mismatch { what: "goals" })?;
+                let saved = knowledge.named_goals.save(NamedGoal { name, goal });
+                saved.map_err(|_| LinkError::Mismatch { what: "goals" })?;
             }
         }
         Ok(knowledge)
@@ -116,7 +116,7 @@ impl Knowledge {
             }
         }
         session.write_part(TransferPart::Config, &Self::encode_config(&self.config)?)?;
-        for NamedGoal { name, goal } in self.goals.as_slice() {
+        for NamedGoal { name, goal } in self.named_goals.as_slice() {
             let goal = RobotCommand::Goal(GoalSpec::Components(*goal));
             session.command(session.elapsed_ms(), goal)?;
             session.query(&HostMessage::SaveGoal { name: *name })?;
@@ -196,7 +196,7 @@ impl Knowledge {
             config: &self.config,
             state: &self.state,
             goal: &self.goal,
-            goals: &self.goals,
+            goals: &self.named_goals,
         };
         let mut file = Vec::new();
         let Ok(()) = contents.write(GENERATION, &mut |bytes| {
@@ -220,7 +220,7 @@ impl Knowledge {
             config: &mut knowledge.config,
             state: &mut knowledge.state,
             goal: &mut knowledge.goal,
-            goals: &mut knowledge.goals,
+            goals: &mut knowledge.named_goals,
         };
         let mut read = |at: usize, out: &mut [u8]| {
             let bytes = file.get(at..at + out.len());

@@ -19,7 +19,7 @@ pub struct Lossy<T> {
 /// Drops every n-th frame.
 struct FrameDropper {
     every: u32,
-    seen: u32,
+    count: u32,
     frame: Vec<u8>,
 }
 
@@ -27,7 +27,7 @@ impl FrameDropper {
     fn new(every: u32) -> Self {
         Self {
             every,
-            seen: 0,
+            count: 0,
             frame: Vec::new(),
         }
     }
@@ -41,9 +41,9 @@ impl FrameDropper {
                 continue;
             }
             // A single zero is no frame.
-            let counts = self.frame.len() > 1;
-            self.seen += u32::from(counts);
-            if !(counts && self.every > 0 && self.seen.is_multiple_of(self.every)) {
+            let is_frame = self.frame.len() > 1;
+            self.count += u32::from(is_frame);
+            if !(is_frame && self.every > 0 && self.count.is_multiple_of(self.every)) {
                 passed.append(&mut self.frame);
             }
             self.frame.clear();
@@ -98,18 +98,21 @@ impl Transport for Silent {
     }
 }
 
-/// Never stops sending: each wait returns the bytes of `say` at once. It fails after 5 s, so that a
+/// Never stops sending: each wait returns the bytes of `source` at once. It fails after 5 s, so a
 /// test that waits for silence ends.
 pub struct Flood<F> {
-    say: F,
+    source: F,
     began: Option<Instant>,
 }
 
 impl<F: FnMut() -> Vec<u8> + Send> Flood<F> {
-    /// Sends the bytes of `say`.
+    /// Sends the bytes of `source`.
     #[must_use]
-    pub fn of(say: F) -> Self {
-        Self { say, began: None }
+    pub fn of(source: F) -> Self {
+        Self {
+            source,
+            began: None,
+        }
     }
 }
 
@@ -122,7 +125,7 @@ impl<F: FnMut() -> Vec<u8> + Send> Transport for Flood<F> {
         if self.began.get_or_insert_with(Instant::now).elapsed() > FLOOD_DURATION {
             return Err(io::Error::other("the flood is over"));
         }
-        io::Read::read(&mut &*(self.say)(), buffer)
+        io::Read::read(&mut &*(self.source)(), buffer)
     }
 }
 
@@ -132,10 +135,10 @@ mod tests {
 
     #[test]
     fn every_third_frame_is_lost_whole_wherever_the_bytes_are_cut() {
-        let mut sieve = FrameDropper::new(3);
+        let mut dropper = FrameDropper::new(3);
         let passed: Vec<u8> = [&[1, 1][..], &[0, 0, 2, 0, 3], &[3, 0, 4, 0]]
             .iter()
-            .flat_map(|bytes| sieve.pass(bytes))
+            .flat_map(|bytes| dropper.pass(bytes))
             .collect();
         assert_eq!(passed, [1, 1, 0, 0, 2, 0, 4, 0]);
         assert_eq!(FrameDropper::new(0).pass(&[1, 0, 2, 0]), [1, 0, 2, 0]);

@@ -18,8 +18,8 @@ use std::time::{Duration, Instant};
 /// Period of ticks, milliseconds.
 const TICK_MS: u32 = 10;
 
-/// A node as a [`Transport`]. Its time passes only during a wait, and a wait takes no real time, so
-/// results are repeatable.
+/// A node as a [`Transport`]. Its clock advances only during a wait, and a wait takes no real time,
+/// so results are repeatable.
 pub struct InProcessNode<const SENSORS: usize = 16> {
     node: Box<Node<SENSORS, 16, 100>>,
     receiver: Receiver,
@@ -73,7 +73,7 @@ impl<const SENSORS: usize> InProcessNode<SENSORS> {
         self.now = now;
     }
 
-    fn hear(&mut self, bytes: &[u8]) {
+    fn receive_bytes(&mut self, bytes: &[u8]) {
         for &byte in bytes {
             if let Some(frame) = self.receiver.push(byte) {
                 self.node.frame(self.now, frame, &mut self.outgoing);
@@ -84,22 +84,22 @@ impl<const SENSORS: usize> InProcessNode<SENSORS> {
         }
     }
 
-    /// Runs the node until it sends something or has nothing to do.
-    fn work(&mut self) {
+    /// Runs the node until it sends something or is idle.
+    fn run(&mut self) {
         while self.node.tick(self.now, &mut self.outgoing) && self.outgoing.0.is_empty() {}
     }
 }
 
 impl<const SENSORS: usize> Transport for InProcessNode<SENSORS> {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.hear(bytes);
+        self.receive_bytes(bytes);
         Ok(())
     }
 
     fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
         let end = self.now.as_ms().wrapping_add(timeout.as_millis() as u32);
         while self.outgoing.0.is_empty() {
-            self.work();
+            self.run();
             let left = Millis::from_ms(end).since(self.now);
             if !self.outgoing.0.is_empty() || left == 0 {
                 break;
@@ -114,7 +114,7 @@ impl<const SENSORS: usize> Transport for InProcessNode<SENSORS> {
 /// it stops it.
 pub struct NodeServer {
     address: SocketAddr,
-    over: Arc<AtomicBool>,
+    is_stopped: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -142,24 +142,24 @@ impl NodeServer {
     fn with_identity(config: Config<16>, identity: Identity) -> io::Result<Self> {
         let listener = TcpListener::bind(("127.0.0.1", 0))?;
         let address = listener.local_addr()?;
-        let over = Arc::new(AtomicBool::new(false));
-        let is_over = Arc::clone(&over);
+        let is_stopped = Arc::new(AtomicBool::new(false));
+        let stop = Arc::clone(&is_stopped);
         let thread = std::thread::spawn(move || {
             let (mut local, began) = (
                 InProcessNode::with_identity(config, identity),
                 Instant::now(),
             );
             for stream in listener.incoming() {
-                if is_over.load(Ordering::Relaxed) {
+                if stop.load(Ordering::Relaxed) {
                     break;
                 }
                 // After a lost connection the next one is accepted.
-                let _ = stream.and_then(|stream| serve(&mut local, began, &stream, &is_over));
+                let _ = stream.and_then(|stream| serve(&mut local, began, &stream, &stop));
             }
         });
         Ok(Self {
             address,
-            over,
+            is_stopped,
             thread: Some(thread),
         })
     }
@@ -173,7 +173,7 @@ impl NodeServer {
 
 impl Drop for NodeServer {
     fn drop(&mut self) {
-        self.over.store(true, Ordering::Relaxed);
+        self.is_stopped.store(true, Ordering::Relaxed);
         // Wakes the thread, which waits for a connection.
         let _ = TcpStream::connect(self.address);
         if let Some(thread) = self.thread.take() {
@@ -186,12 +186,12 @@ fn serve(
     local: &mut InProcessNode,
     began: Instant,
     mut stream: &TcpStream,
-    over: &AtomicBool,
+    stop: &AtomicBool,
 ) -> io::Result<()> {
     stream.set_nodelay(true)?;
     stream.set_read_timeout(Some(Duration::from_millis(u64::from(TICK_MS))))?;
     let mut buffer = [0; 1_024];
-    while !over.load(Ordering::Relaxed) {
+    while !stop.load(Ordering::Relaxed) {
         let received = match stream.read(&mut buffer) {
             Ok(0) => return Ok(()),
             Ok(count) => count,
@@ -199,8 +199,8 @@ fn serve(
             Err(error) => return Err(error),
         };
         local.now = Millis::from_ms(began.elapsed().as_millis() as u32);
-        local.hear(buffer.get(..received).unwrap_or(&[]));
-        local.work();
+        local.receive_bytes(buffer.get(..received).unwrap_or(&[]));
+        local.run();
         let (head, tail) = local.outgoing.0.as_slices();
         stream.write_all(head)?;
         stream.write_all(tail)?;

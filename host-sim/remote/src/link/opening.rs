@@ -13,7 +13,7 @@ const LOCAL: Dimensions = Dimensions {
     neurons: 16,
 };
 
-/// A session number from the clock, most likely unlike the one before, never 0.
+/// A session number from the clock, never 0; it most likely differs from the one before.
 #[must_use]
 pub fn fresh_number() -> u16 {
     let now = SystemTime::now()
@@ -65,7 +65,7 @@ impl Session {
     /// Begins session `number` on this side and returns the frame that opens it.
     fn begin(&mut self, number: u16, clock: Clock) -> Result<Vec<u8>, LinkError> {
         (self.number, self.seq) = (number, 0);
-        (self.controller_seq, self.missing, self.given_up) = (None, Vec::new(), 0);
+        (self.controller_seq, self.missing, self.untracked) = (None, Vec::new(), 0);
         self.hello = None;
         self.received.clear();
         self.pending.clear();
@@ -122,7 +122,7 @@ mod tests {
     use std::time::Duration;
 
     #[test]
-    fn what_a_mind_should_have_said_is_counted_to_an_end() {
+    fn the_count_of_due_reports_saturates() {
         let mut session = Session::new(Flood::of(frames(1, 1)));
         session.number = 1;
         session.set_retry_policy(RetryPolicy {

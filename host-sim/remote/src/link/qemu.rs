@@ -17,7 +17,7 @@ const EXIT_TIMEOUT: Duration = Duration::from_millis(500);
 /// Poll interval while it starts or ends.
 const POLL_INTERVAL: Duration = Duration::from_millis(2);
 
-/// Size of the kept tail of its standard error.
+/// Maximum size of the stored tail of its standard error.
 const MAX_STDERR_BYTES: usize = 4_096;
 
 /// Kills a process when this script's standard input closes, however this process ends.
@@ -48,10 +48,10 @@ impl Qemu {
     pub fn start(machine: &Machine, image: &Path, verbose: bool) -> Result<Self, LinkError> {
         if !image.is_file() {
             let image = image.display();
-            return Err(refused(format!("{image}: there is no such image")));
+            return Err(open_error(format!("{image}: there is no such image")));
         }
         let emulator = machine.emulator;
-        let no_socket = |error: io::Error| refused(format!("no socket for {emulator}: {error}"));
+        let no_socket = |error: io::Error| open_error(format!("no socket for {emulator}: {error}"));
         let listener = TcpListener::bind(("127.0.0.1", 0)).map_err(no_socket)?;
         let port = listener.local_addr().map_err(no_socket)?.port();
         let mut process = KillOnDrop::spawn(machine, image, port)?;
@@ -129,15 +129,15 @@ impl KillOnDrop {
                 child,
                 emulator,
             }),
-            Err(error) if error.kind() == ErrorKind::NotFound => Err(refused(format!(
+            Err(error) if error.kind() == ErrorKind::NotFound => Err(open_error(format!(
                 "{emulator} is not installed: apt-get install {}",
                 machine.install
             ))),
-            Err(error) => Err(refused(format!("{emulator} cannot be started: {error}"))),
+            Err(error) => Err(open_error(format!("{emulator} cannot be started: {error}"))),
         }
     }
 
-    /// Reads the child's standard error and keeps the tail.
+    /// Reads the child's standard error and stores the tail.
     fn capture_stderr(&mut self, verbose: bool) -> StderrTail {
         let stderr_tail = StderrTail::default();
         if let Some(stderr) = self.child.stderr.take() {
@@ -154,7 +154,8 @@ impl KillOnDrop {
         stderr_tail: &StderrTail,
     ) -> Result<TcpStream, LinkError> {
         let emulator = self.emulator;
-        let failed = |error: io::Error| refused(format!("{emulator} cannot be reached: {error}"));
+        let failed =
+            |error: io::Error| open_error(format!("{emulator} cannot be reached: {error}"));
         listener.set_nonblocking(true).map_err(failed)?;
         let until = Instant::now() + START_TIMEOUT;
         while Instant::now() < until {
@@ -167,11 +168,11 @@ impl KillOnDrop {
                 Err(error) => return Err(failed(error)),
             }
             if let Some(status) = self.child.try_wait().map_err(failed)? {
-                return Err(refused(ended(emulator, status, &text(stderr_tail))));
+                return Err(open_error(ended(emulator, status, &text(stderr_tail))));
             }
             std::thread::sleep(POLL_INTERVAL);
         }
-        Err(refused(format!(
+        Err(open_error(format!(
             "{emulator} has not started within {} s",
             START_TIMEOUT.as_secs()
         )))
@@ -238,10 +239,10 @@ fn ended(emulator: &str, status: std::process::ExitStatus, stderr_tail: &str) ->
     let last = own.or_else(|| stderr_tail.lines().last());
     format!(
         "{emulator} has ended ({status}): {}",
-        last.unwrap_or("it stderr_tail nothing")
+        last.unwrap_or("it printed nothing")
     )
 }
 
-fn refused(why: String) -> LinkError {
+fn open_error(why: String) -> LinkError {
     LinkError::Open { why }
 }

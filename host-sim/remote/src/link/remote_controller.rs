@@ -15,7 +15,7 @@ use amp::wire::message::{
 };
 use amp::wire::{HostMessage, message};
 use sim::error::EpisodeError;
-use sim::pilot::{HeardEcho, InspectableController, Pilot, SimState};
+use sim::pilot::{AgedEcho, InspectableController, Pilot, SimState};
 use std::borrow::BorrowMut;
 use std::time::{Duration, Instant};
 
@@ -122,7 +122,7 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
     fn dispatch(&mut self, at: Millis, event: Event<16>) -> Result<Outputs<16>, LinkError> {
         let at_ms = at.as_ms();
         match event {
-            Event::Echo { sensor, range } => self.send_echoes(at, &[HeardEcho::now(sensor, range)]),
+            Event::Echo { sensor, range } => self.send_echoes(at, &[AgedEcho::now(sensor, range)]),
             Event::Odometry {
                 motion,
                 moved,
@@ -147,8 +147,8 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
         }
     }
 
-    fn send_echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> Result<Outputs<16>, LinkError> {
-        let received = |echo: &HeardEcho| TimedEcho {
+    fn send_echoes(&mut self, at: Millis, echoes: &[AgedEcho]) -> Result<Outputs<16>, LinkError> {
+        let received = |echo: &AgedEcho| TimedEcho {
             sensor: echo.sensor,
             range_mm: echo.range.map(Range::as_mm),
             // Any controller ignores an echo older than a minute.
@@ -215,13 +215,13 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
 
     /// Sends an event of the time `at` and returns its outputs.
     fn send(&mut self, at: Millis, message: &HostMessage<16>) -> Result<Outputs<16>, LinkError> {
-        self.pass_time(at)?;
+        self.queue_heartbeats(at)?;
         let answer = self.session.borrow_mut().request(message)?;
         self.outputs(&answer)
     }
 
     /// Queues heartbeats for the time until `at`.
-    fn pass_time(&mut self, at: Millis) -> Result<(), LinkError> {
+    fn queue_heartbeats(&mut self, at: Millis) -> Result<(), LinkError> {
         let mut gap_ms = at.since(self.last_sent);
         // A time before the latest one looks like a large gap.
         while (HEARTBEAT_MS + 1..1 << 31).contains(&gap_ms) {
@@ -327,7 +327,7 @@ impl<S: BorrowMut<Session>> Pilot for RemoteController<S> {
 
     /// Sends in one frame all echoes up to the last enabled transducer: only that one can complete
     /// the ring and cause a motion.
-    fn echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> (usize, Outputs<16>) {
+    fn echoes(&mut self, at: Millis, echoes: &[AgedEcho]) -> (usize, Outputs<16>) {
         if self.error.is_some() {
             return (echoes.len(), Outputs::NONE);
         }
@@ -372,8 +372,8 @@ fn open_fresh(
 }
 
 /// Number of echoes for one frame.
-fn batch(echoes: &[HeardEcho], believed: Mask) -> usize {
-    let counts = |echo: &HeardEcho| believed.contains(usize::from(echo.sensor));
+fn batch(echoes: &[AgedEcho], enabled: Mask) -> usize {
+    let counts = |echo: &AgedEcho| enabled.contains(usize::from(echo.sensor));
     let last = echoes.iter().rposition(counts);
     // Without an enabled transducer after it, each echo may complete a ring that began earlier.
     last.map_or(1, |last| last + 1).min(message::MAX_ECHOES)
@@ -420,7 +420,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mind_that_learns_without_end_is_given_up() {
+    fn a_controller_that_learns_without_end_times_out() {
         let config = Config::recommended();
         let learner = EndlessLearner {
             controller: InProcessNode::new(config.clone()),
@@ -428,15 +428,15 @@ mod tests {
         };
         let mut controller = RemoteController::start(Session::new(learner), 1, &config).unwrap();
         let limit = Duration::from_millis(200);
-        let given_up = Err(LinkError::Learning { waited: limit });
+        let timed_out = Err(LinkError::Learning { waited: limit });
         let ends = |controller: &mut RemoteController<Session>, what| {
             let began = Instant::now();
-            assert_eq!(controller.wait_until_learned(limit), given_up, "{what}");
+            assert_eq!(controller.wait_until_learned(limit), timed_out, "{what}");
             assert!(began.elapsed() < Duration::from_millis(700), "{what}");
         };
-        ends(&mut controller, "it says so when asked");
+        ends(&mut controller, "it reports that it learns");
         controller.session.transport = Box::new(Flood::of(frames(controller.session.number(), 1)));
-        ends(&mut controller, "it says other things");
+        ends(&mut controller, "it sends other reports");
         let error = LinkError::Learning {
             waited: LEARN_TIMEOUT,
         };
@@ -448,7 +448,7 @@ mod tests {
 
     #[test]
     fn a_frame_ends_with_the_last_transducer_that_may_complete_the_ring() {
-        let echoes: [_; 16] = std::array::from_fn(|sensor| HeardEcho::now(sensor as u8, None));
+        let echoes: [_; 16] = std::array::from_fn(|sensor| AgedEcho::now(sensor as u8, None));
         assert_eq!(batch(&echoes, Mask::ALL), 16);
         assert_eq!(batch(&echoes, Mask::ALL.without(15)), 15);
         assert_eq!(batch(&echoes[15..], Mask::ALL.without(15)), 1);

@@ -30,7 +30,7 @@ pub struct RetryPolicy {
 impl RetryPolicy {
     /// Time of all attempts together.
     #[must_use]
-    pub fn whole(self) -> Duration {
+    pub fn total_timeout(self) -> Duration {
         self.timeout * self.attempts
     }
 }
@@ -65,10 +65,10 @@ pub struct Session {
     pub(super) seq: u16,
     /// Number of the controller's latest report in the session.
     pub(super) controller_seq: Option<u16>,
-    /// Numbers of earlier reports that have not come yet.
+    /// Numbers of earlier reports that have not arrived.
     pub(super) missing: Vec<u16>,
-    /// Number of further missing reports, which are not expected any more.
-    pub(super) given_up: u32,
+    /// Number of missing reports beyond the limit of `missing`.
+    pub(super) untracked: u32,
     /// Frames to send with the next request, and with each repetition.
     pub(super) pending: Vec<u8>,
     pub(super) began: Instant,
@@ -93,7 +93,7 @@ impl Session {
             seq: 0,
             controller_seq: None,
             missing: Vec::new(),
-            given_up: 0,
+            untracked: 0,
             pending: Vec::new(),
             began: Instant::now(),
             retry: RetryPolicy::default(),
@@ -198,9 +198,9 @@ impl Session {
         let latest = self.controller_seq.unwrap_or(0);
         numbered.sort_by_key(|(number, _)| number.wrapping_sub(latest).wrapping_sub(1));
         let missing = std::mem::take(&mut self.missing).len() as u32;
-        let given_up = std::mem::take(&mut self.given_up);
+        let untracked = std::mem::take(&mut self.untracked);
         let mut answer = Response {
-            missing: missing.saturating_add(given_up),
+            missing: missing.saturating_add(untracked),
             ..Response::default()
         };
         for (_, report) in numbered {
@@ -315,7 +315,7 @@ impl Session {
 
     pub(super) fn no_answer(&self) -> LinkError {
         LinkError::Silent {
-            waited: self.retry.whole(),
+            waited: self.retry.total_timeout(),
         }
     }
 }

@@ -232,19 +232,19 @@ fn next<'a>(file: &'a [u8], at: usize, kinds: &[u8]) -> Result<Option<FileRecord
         return refuse(LogDefect::TooLong(length));
     }
     // Distinguishes a damaged length from a record that was cut off.
-    let begun = fields.rest();
-    if length_by_fields(kind, begun).is_some_and(|expected| expected != length) {
+    let body = fields.rest();
+    if length_by_fields(kind, body).is_some_and(|expected| expected != length) {
         return refuse(LogDefect::Length);
     }
-    match begun.get(..length as usize) {
+    match body.get(..length as usize) {
         Some(body) => Ok(Some(FileRecord { at, kind, body })),
         None => cut_off(),
     }
 }
 
 /// Length of a record by its own fields, bytes; `None` if it has none or they are cut off.
-fn length_by_fields(kind: u8, begun: &[u8]) -> Option<u64> {
-    let mut fields = FieldReader::of(begun);
+fn length_by_fields(kind: u8, body: &[u8]) -> Option<u64> {
+    let mut fields = FieldReader::of(body);
     match kind {
         op::HEADER => {
             let profile = fields.string()?;
@@ -354,7 +354,7 @@ mod tests {
     }
 
     #[test]
-    fn a_chunk_that_is_missing_or_there_twice_is_found_though_the_log_was_cut_off() {
+    fn a_missing_or_duplicate_chunk_is_found_in_a_log_that_was_cut_off() {
         let (bytes, at) = cut_off();
         let chunk = |number: usize| &bytes[at[number]..at[number + 1]];
         let begin = &bytes[..at[1]];

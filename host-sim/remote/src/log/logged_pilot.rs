@@ -7,7 +7,7 @@ use amp::units::Millis;
 use arena::world::World;
 use sim::episode::{Body, Observer, StepResult};
 use sim::error::EpisodeError;
-use sim::pilot::{HeardEcho, InspectableController, Pilot, SimState};
+use sim::pilot::{AgedEcho, InspectableController, Pilot, SimState};
 use std::io::{Seek, Write};
 
 /// A pilot with an optional log.
@@ -129,7 +129,7 @@ impl<P: Pilot, W: Write + Seek> Pilot for LoggedPilot<P, W> {
         outputs
     }
 
-    fn echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> (usize, Outputs<16>) {
+    fn echoes(&mut self, at: Millis, echoes: &[AgedEcho]) -> (usize, Outputs<16>) {
         let (taken, outputs) = self.pilot.echoes(at, echoes);
         if !self.is_off() {
             let records = echoes.iter().take(taken);

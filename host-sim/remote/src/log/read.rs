@@ -245,46 +245,66 @@ impl<'a> Messages<'a> {
     }
 
     fn try_next(&mut self) -> Result<Option<LogMessage>, LogDamage> {
-        loop {
-            while self.read == self.records.len() {
-                let Some(chunk) = self.chunks.next() else {
-                    return Ok(None);
-                };
-                self.records = Vec::new();
-                (self.chunk_at, self.read) = (chunk.at, 0);
-                self.records = chunk.records(self.file)?;
+        while self.has_record()? {
+            if let Some(message) = self.read_record()? {
+                return Ok(Some(message));
             }
-            let rest = self.records.get(self.read..).unwrap_or(&[]);
-            let mut fields = FieldReader::of(rest);
-            let record = record(&mut fields).map_err(|defect| self.damage(defect))?;
-            self.read += rest.len() - fields.rest().len();
-            match record {
-                ChunkRecord::Schema => {}
-                ChunkRecord::Channel { id, topic } => {
-                    let known = self.topics.entry(id).or_insert_with(|| topic.clone());
-                    if *known != topic {
-                        return Err(self.damage(LogDefect::Channel));
-                    }
+        }
+        Ok(None)
+    }
+
+    /// Whether a record is left; decompresses the next chunk after the last record of one.
+    fn has_record(&mut self) -> Result<bool, LogDamage> {
+        while self.read == self.records.len() {
+            let Some(chunk) = self.chunks.next() else {
+                return Ok(false);
+            };
+            self.records = Vec::new();
+            (self.chunk_at, self.read) = (chunk.at, 0);
+            self.records = chunk.records(self.file)?;
+        }
+        Ok(true)
+    }
+
+    /// Reads the next record; returns it if it is a message.
+    fn read_record(&mut self) -> Result<Option<LogMessage>, LogDamage> {
+        let rest = self.records.get(self.read..).unwrap_or(&[]);
+        let mut fields = FieldReader::of(rest);
+        let record = record(&mut fields).map_err(|defect| self.damage(defect))?;
+        self.read += rest.len() - fields.rest().len();
+        match record {
+            ChunkRecord::Schema => Ok(None),
+            ChunkRecord::Channel { id, topic } => {
+                let known = self.topics.entry(id).or_insert_with(|| topic.clone());
+                match *known == topic {
+                    true => Ok(None),
+                    false => Err(self.damage(LogDefect::Channel)),
                 }
-                ChunkRecord::Message {
-                    channel,
-                    number,
+            }
+            ChunkRecord::Message {
+                channel,
+                number,
+                time_ns,
+                data,
+            } => {
+                let topic = self.topic(channel, data.len() as u64)?;
+                Ok(Some(LogMessage {
                     time_ns,
-                    data,
-                } => {
-                    let topic = self.topics.get(&channel);
-                    let topic = topic.ok_or_else(|| self.damage(LogDefect::Channel))?;
-                    if data.len() as u64 > max_message_bytes(topic) {
-                        return Err(self.damage(LogDefect::TooLong(data.len() as u64)));
-                    }
-                    return Ok(Some(LogMessage {
-                        time_ns,
-                        topic: topic.clone(),
-                        data: data.to_vec(),
-                        number,
-                    }));
-                }
+                    topic: topic.to_owned(),
+                    data: data.to_vec(),
+                    number,
+                }))
             }
+        }
+    }
+
+    /// Name of a channel that may have a message of this size.
+    fn topic(&self, channel: u16, bytes: u64) -> Result<&str, LogDamage> {
+        let topic = self.topics.get(&channel);
+        let topic = topic.ok_or_else(|| self.damage(LogDefect::Channel))?;
+        match bytes <= max_message_bytes(topic) {
+            true => Ok(topic),
+            false => Err(self.damage(LogDefect::TooLong(bytes))),
         }
     }
 }

@@ -9,7 +9,7 @@ use amp::goal::Goal;
 use amp::planner::Plan;
 use amp::units::{Bearing, Displacement, Range};
 use serde::{Deserialize, Serialize};
-use sim::pilot::HeardEcho;
+use sim::pilot::AgedEcho;
 
 /// Conditions of a start without knowledge.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -140,7 +140,7 @@ fn is_none(age_ms: &u32) -> bool {
 impl EchoRecord {
     /// Converts an echo of the pilot.
     #[must_use]
-    pub fn of(echo: &HeardEcho) -> Self {
+    pub fn of(echo: &AgedEcho) -> Self {
         Self {
             sensor: echo.sensor,
             range_mm: echo.range.map(Range::as_mm),
@@ -150,8 +150,8 @@ impl EchoRecord {
 
     /// Converts to an echo of the pilot.
     #[must_use]
-    pub fn echo(self) -> HeardEcho {
-        HeardEcho {
+    pub fn echo(self) -> AgedEcho {
+        AgedEcho {
             sensor: self.sensor,
             range: self.range_mm.map(Range::from_mm),
             age_ms: self.age_ms,
@@ -165,7 +165,7 @@ impl EventKind {
     pub fn of(event: &Event<16>) -> Self {
         match *event {
             Event::Echo { sensor, range } => {
-                Self::Echoes(vec![EchoRecord::of(&HeardEcho::now(sensor, range))])
+                Self::Echoes(vec![EchoRecord::of(&AgedEcho::now(sensor, range))])
             }
             Event::Odometry {
                 motion,
@@ -398,7 +398,7 @@ mod tests {
         let json = serde_json::to_string(&EventKind::of(&echo)).unwrap();
         assert_eq!(json, "{\"echoes\":[{\"sensor\":3,\"range_mm\":1234}]}");
         for age_ms in [0, 70_000] {
-            let echo = HeardEcho {
+            let echo = AgedEcho {
                 sensor: 3,
                 range: None,
                 age_ms,
@@ -427,7 +427,7 @@ mod tests {
             json = json.replace(name, before);
         }
         assert_eq!(serde_json::from_str::<Config<16>>(&json).unwrap(), config);
-        let stop: StopReason = serde_json::from_str("\"NothingHeard\"").unwrap();
+        let stop: StopReason = serde_json::from_str("\"NoEchoes\"").unwrap();
         assert_eq!(stop, StopReason::NoEchoes);
     }
 

@@ -42,7 +42,7 @@ pub fn replay(log: &LogFile, mut progress: impl FnMut(u64)) -> Result<ReplayResu
     };
     for message in log.messages() {
         replay
-            .take(&message)
+            .process(&message)
             .map_err(|why| BadInput::file(log.path(), why))?;
         progress(replay.done.last_ms);
         if replay.done.difference.is_some() {
@@ -59,15 +59,15 @@ struct Replay {
 }
 
 impl Replay {
-    fn take(&mut self, message: &LogMessage) -> Result<(), String> {
+    fn process(&mut self, message: &LogMessage) -> Result<(), String> {
         match message.topic.as_str() {
             channel::SETUP => {
-                self.nothing_left();
+                self.check_unlogged();
                 self.replayer = Replayer::new(&message.content()?);
             }
             channel::EVENT => {
                 // The log holds all answers to earlier events before this event.
-                self.nothing_left();
+                self.check_unlogged();
                 self.done.events += 1;
                 self.done.last_ms = message.time_ns / 1_000_000;
                 let record: EventRecord = message.content()?;
@@ -83,24 +83,24 @@ impl Replay {
         self.done.answers += 1;
         self.done.decisions += u64::from(logged.decision.is_some());
         if let Some(difference) = self.replayer.compare(logged) {
-            self.differs(&difference);
+            self.record_difference(&difference);
         }
     }
 
-    fn nothing_left(&mut self) {
+    fn check_unlogged(&mut self) {
         if let Some(difference) = self.replayer.unlogged_answer() {
-            self.differs(&difference);
+            self.record_difference(&difference);
         }
     }
 
     /// A log that was cut off may lack the answers to its last event.
     fn end(&mut self) {
         if self.done.ending == Ending::Complete && self.done.difference.is_none() {
-            self.nothing_left();
+            self.check_unlogged();
         }
     }
 
-    fn differs(&mut self, difference: &str) {
+    fn record_difference(&mut self, difference: &str) {
         let decisions = self.done.decisions;
         let difference = format!("after {decisions} decisions, {difference}");
         self.done.difference.get_or_insert(difference);

@@ -46,16 +46,16 @@ impl Replayer {
         match &record.event {
             EventKind::Echoes(echoes) => {
                 let echoes: Vec<_> = echoes.iter().map(|echo| echo.echo()).collect();
-                let mut left = &echoes[..];
-                while !left.is_empty() {
-                    let (taken, outputs) = self.controller.echoes(at, left);
+                let mut rest = &echoes[..];
+                while !rest.is_empty() {
+                    let (taken, outputs) = self.controller.echoes(at, rest);
                     self.collect(at, &outputs, &mut on_outputs);
-                    left = left.get(taken.max(1)..).unwrap_or(&[]);
+                    rest = rest.get(taken.max(1)..).unwrap_or(&[]);
                 }
             }
             EventKind::Ticks { count, done } => self.tick(at, *count, *done, &mut on_outputs),
             EventKind::Configure(config) => self.controller.configure((**config).clone()),
-            EventKind::Know(hex) => self.controller = known(hex)?,
+            EventKind::Know(hex) => self.controller = decode_controller(hex)?,
             other => {
                 if let Some(event) = other.event() {
                     let outputs = self.controller.handle(at, event);
@@ -75,8 +75,8 @@ impl Replayer {
         done: bool,
         on_outputs: &mut impl FnMut(&Outputs<16>),
     ) {
-        let most = if done { MAX_TICKS } else { count };
-        for _ in 0..most.min(MAX_TICKS) {
+        let max_ticks = if done { MAX_TICKS } else { count };
+        for _ in 0..max_ticks.min(MAX_TICKS) {
             let outputs = self.controller.handle(at, Event::Tick);
             self.collect(at, &outputs, on_outputs);
             let learns = matches!(self.controller.state().mode(), Mode::Learn { .. });
@@ -99,34 +99,34 @@ impl Replayer {
     /// Compares the next answer with that of the log; returns the difference in words.
     pub fn compare(&mut self, logged: &AnswerRecord) -> Option<String> {
         let found = self.answers.pop_front();
-        (found.as_ref() != Some(logged)).then(|| differs(Some(logged), found.as_ref()))
+        (found.as_ref() != Some(logged)).then(|| difference_text(Some(logged), found.as_ref()))
     }
 
     /// An answer that the log lacks, in words.
     pub fn unlogged_answer(&mut self) -> Option<String> {
         let found = self.answers.pop_front()?;
-        Some(differs(None, Some(&found)))
+        Some(difference_text(None, Some(&found)))
     }
 }
 
-fn known(hex: &str) -> Result<LocalController, String> {
+fn decode_controller(hex: &str) -> Result<LocalController, String> {
     let bytes = unhex(hex).ok_or("knowledge: not in hexadecimal")?;
     let knowledge = Knowledge::from_bytes(&bytes).map_err(|why| format!("knowledge: {why}"))?;
     let (config, state) = (knowledge.config(), knowledge.state());
     Ok(LocalController::with_state(config.clone(), state.clone()))
 }
 
-fn differs(logged: Option<&AnswerRecord>, found: Option<&AnswerRecord>) -> String {
+fn difference_text(logged: Option<&AnswerRecord>, found: Option<&AnswerRecord>) -> String {
     let at = logged.or(found).map_or(0, |answer| answer.at_ms);
     format!(
         "at {:.3} s of the controller's clock: the log says {}, the controller {}",
         f64::from(at) / 1e3,
-        said(logged),
-        said(found)
+        answer_text(logged),
+        answer_text(found)
     )
 }
 
-fn said(answer: Option<&AnswerRecord>) -> String {
+fn answer_text(answer: Option<&AnswerRecord>) -> String {
     answer.map_or("nothing".to_owned(), |answer| {
         serde_json::to_string(answer).unwrap_or_else(|error| error.to_string())
     })

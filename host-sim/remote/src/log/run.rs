@@ -25,10 +25,16 @@ pub fn run(
     let log = SharedLog::new(log);
     let record = SetupRecord::of(world.name(), setup);
     log.write(|log| log.setup(&record, Some(world)));
-    let mut tap = LoggedPilot::new(controller, Some(log.clone()));
-    let mut watcher = WorldLogger::new(log.clone());
-    let done = episode::run_observed(world, setup, &mut tap, Some(&mut watcher), |_, _, _| {});
+    let mut logged = LoggedPilot::new(controller, Some(log.clone()));
+    let mut world_logger = WorldLogger::new(log.clone());
+    let result = episode::run_observed(
+        world,
+        setup,
+        &mut logged,
+        Some(&mut world_logger),
+        |_, _, _| {},
+    );
     // The log is finished even after an error.
     log.finish().map_err(EpisodeError::Log)?;
-    done
+    result
 }

@@ -36,7 +36,7 @@ fn orientation(heading: f64) -> Value {
     json!({"x": 0.0, "y": 0.0, "z": sin, "w": cos})
 }
 
-fn placed(at: Point, z: f64) -> Value {
+fn unrotated_pose(at: Point, z: f64) -> Value {
     json!({"position": point(at, z), "orientation": orientation(0.0)})
 }
 
@@ -52,7 +52,7 @@ pub(super) fn laser_scan(time: u64, ranges_m: &[Option<f64>; 16]) -> Value {
     let ranges: Vec<f64> = ranges_m.iter().map(reach).collect();
     json!({
         "timestamp": stamp(time), "frame_id": RING,
-        "pose": placed(Point::new(0.0, 0.0), 0.0),
+        "pose": unrotated_pose(Point::new(0.0, 0.0), 0.0),
         "start_angle": 0.0, "end_angle": TAU * 15.0 / 16.0,
         "ranges": ranges, "intensities": [],
     })
@@ -72,18 +72,18 @@ pub(super) fn frame_transform(time: u64, pose: Pose) -> Value {
     })
 }
 
-/// The surroundings, if they are known, and the body as a cylinder that moves with the ring. `anew`
-/// replaces everything drawn before.
-pub(super) fn begin(time: u64, around: Option<&World>, anew: bool) -> Value {
+/// The world, if it is known, and the body as a cylinder that moves with the ring. `replace_all`
+/// deletes everything drawn before.
+pub(super) fn begin(time: u64, world: Option<&World>, replace_all: bool) -> Value {
     let mut body = entity(time, RING, "robot");
     body["frame_locked"] = json!(true);
     let middle = Point::new(0.0, 0.0);
     body["cylinders"] = json!([cylinder(middle, COLLISION_RADIUS_M, [0.1, 0.45, 0.8], 0.8)]);
-    let surfaces = around.map(|world| surfaces(time, world));
+    let surfaces = world.map(|world| surfaces(time, world));
     let entities: Vec<_> = surfaces.into_iter().chain([body]).collect();
     // Type 1 deletes everything.
     let all = json!({"timestamp": stamp(time), "type": 1, "id": ""});
-    let deletions: Vec<_> = anew.then_some(all).into_iter().collect();
+    let deletions: Vec<_> = replace_all.then_some(all).into_iter().collect();
     json!({"deletions": deletions, "entities": entities})
 }
 
@@ -98,7 +98,7 @@ fn surfaces(time: u64, world: &World) -> Value {
         .segments()
         .flat_map(|(from, to)| [point(from, 0.0), point(to, 0.0)]);
     let lines = json!({
-        "type": 2, "pose": placed(Point::new(0.0, 0.0), 0.0), "thickness": 2.0, "scale_invariant": true,
+        "type": 2, "pose": unrotated_pose(Point::new(0.0, 0.0), 0.0), "thickness": 2.0, "scale_invariant": true,
         "points": ends.collect::<Vec<_>>(), "color": color([0.5, 0.5, 0.55], 1.0), "colors": [], "indices": [],
     });
     let posts = world.shapes().iter().filter_map(|shape| match *shape {
@@ -121,14 +121,14 @@ pub(super) fn leader(time: u64, at: Point) -> Value {
 pub(super) fn contact(time: u64, at: Point, number: usize) -> Value {
     let mut entity = entity(time, WORLD, &format!("contact {number}"));
     entity["spheres"] = json!([{
-        "pose": placed(at, HEIGHT_M), "size": {"x": 0.12, "y": 0.12, "z": 0.12}, "color": color([0.85, 0.1, 0.1], 1.0),
+        "pose": unrotated_pose(at, HEIGHT_M), "size": {"x": 0.12, "y": 0.12, "z": 0.12}, "color": color([0.85, 0.1, 0.1], 1.0),
     }]);
     json!({"deletions": [], "entities": [entity]})
 }
 
 fn cylinder(at: Point, radius: f64, rgb: [f64; 3], alpha: f64) -> Value {
     json!({
-        "pose": placed(at, HEIGHT_M / 2.0), "size": {"x": 2.0 * radius, "y": 2.0 * radius, "z": HEIGHT_M},
+        "pose": unrotated_pose(at, HEIGHT_M / 2.0), "size": {"x": 2.0 * radius, "y": 2.0 * radius, "z": HEIGHT_M},
         "bottom_scale": 1.0, "top_scale": 1.0, "color": color(rgb, alpha),
     })
 }

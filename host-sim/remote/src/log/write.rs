@@ -1,4 +1,4 @@
-//! Writes a log and keeps errors such as a full disk.
+//! Writes a log and stores the first error, such as a full disk.
 
 use super::channel;
 use super::read::max_message_bytes;
@@ -56,7 +56,7 @@ const CHANNELS: [(&str, &str, &str); 7] = [
     ),
 ];
 
-/// A log being written. An error is kept until it is [queried](Self::failure), because the robot
+/// A log being written. An error is stored and [queried](Self::failure) later, because the robot
 /// does not wait for its log.
 pub struct LogWriter<W: Write + Seek> {
     writer: Writer<W>,

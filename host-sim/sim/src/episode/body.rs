@@ -13,7 +13,7 @@ pub use units::milliseconds;
 
 use super::leader::Leader;
 use super::places;
-use crate::pilot::{HeardEcho, Pilot};
+use crate::pilot::{AgedEcho, Pilot};
 use amp::controller::{Event, Motion, Progress};
 use amp::units::{Displacement, Millis, Range};
 use arena::noise::Noise;
@@ -144,11 +144,11 @@ impl<'w> Body<'w> {
             .scan_with_faults(world, &pose, &mut self.ranges_m, &mut self.noise);
         let mut result = StepResult::new(pose, self.time_s);
         let echoes: [_; 16] =
-            std::array::from_fn(|sensor| HeardEcho::now(sensor as u8, self.range(sensor)));
-        let mut left = &echoes[..];
-        while !left.is_empty() {
-            let (taken, outputs) = pilot.echoes(self.now(), left);
-            left = left.get(taken.max(1)..).unwrap_or(&[]);
+            std::array::from_fn(|sensor| AgedEcho::now(sensor as u8, self.range(sensor)));
+        let mut rest = &echoes[..];
+        while !rest.is_empty() {
+            let (taken, outputs) = pilot.echoes(self.now(), rest);
+            rest = rest.get(taken.max(1)..).unwrap_or(&[]);
             result.add(&outputs);
             if let Some(motion) = outputs.motion {
                 self.motion = motion;
@@ -242,7 +242,7 @@ impl<'w> Body<'w> {
         }
     }
 
-    /// Lets the leader drive for the time of the robot's step. Returns who closed the gap if the
+    /// Advances the leader by the time of the robot's step. Returns who closed the gap if the
     /// leader touched the robot.
     ///
     /// The robot closed it if its displacement has a component towards the leader. The displacement

@@ -39,7 +39,7 @@ pub struct Setup {
     pub faults: Vec<TransducerFault>,
     /// What the ring does while the base steers.
     pub turret: TurretMode,
-    /// Where the robot is placed after exploring; `None` = as its behavior says.
+    /// Where the robot is placed after exploring; `None` = the default of its behavior.
     pub set_down: Option<Point>,
     /// Record every step, for pictures.
     pub record: bool,
@@ -64,7 +64,7 @@ pub enum Phase {
     Seek,
 }
 
-/// Watches an episode. It cannot change the episode.
+/// Observes an episode without changing it.
 pub trait Observer {
     /// Called after each simulation step; the step's ring ended at `at`.
     fn on_step(&mut self, at: Millis, result: &StepResult, body: &Body<'_>);
@@ -140,7 +140,7 @@ pub fn run_observed<'w>(
     Ok(Episode { report, recording })
 }
 
-/// Lets a controller explore and learn; returns the runner and the metrics of the random moves.
+/// Makes a controller explore and learn; returns the runner and the metrics of the random moves.
 pub(super) fn explored<'w>(
     world: &'w World,
     setup: &Setup,
@@ -174,7 +174,7 @@ pub(super) fn explored<'w>(
     Ok((runner, exploration))
 }
 
-/// Lets a controller explore and learn in a world.
+/// Makes a controller explore and learn in a world.
 ///
 /// # Errors
 /// When the controller refuses a command or is silent.
@@ -186,7 +186,7 @@ pub fn explore_and_learn(
     explored(world, setup, controller, None, |_, _, _| {}).map(|_| ())
 }
 
-/// Lets a reference pilot drive `steps` steps from the world's start.
+/// Drives a reference pilot for `steps` steps from the world's start.
 ///
 /// # Errors
 /// When the pilot is silent.

@@ -1,7 +1,8 @@
 //! The second robot: a disc of the Nomad's size that drives the Braitenberg rule at 0.15 m/s.
 //!
-//! Its own exact ring hears walls and the robot behind it. It waits rather than touch the robot. To
-//! the robot it is one more post in the world: sonars hear it, and touching it is a contact.
+//! It has an exact ring of its own, which detects walls and the robot, and it stops before it
+//! touches the robot. In the robot's world it is a post: it returns echoes, and touching it is a
+//! contact.
 
 use crate::braitenberg::{Braitenberg, BraitenbergTuning};
 use crate::pilot::Pilot as _;
@@ -69,13 +70,13 @@ impl Leader {
     /// A leader that drives straight on and ignores everything.
     #[cfg(test)]
     pub(super) fn blind(position: Point, course: f64) -> Self {
-        let deaf = BraitenbergTuning {
+        let ignores_echoes = BraitenbergTuning {
             push: 0.0,
             ..BraitenbergTuning::default()
         };
         Self {
             position,
-            pilot: RingPilot::new(Braitenberg::towards(deaf, course), None),
+            pilot: RingPilot::new(Braitenberg::towards(ignores_echoes, course), None),
             ring: Ring::new(SonarModel::Ideal, &mut Noise::new(0)),
             unsimulated_s: 0.0,
             gap_m: f64::NEG_INFINITY,
@@ -102,10 +103,10 @@ impl Leader {
 
     /// Returns whether the step touched the robot.
     fn step(&mut self, world: &World, robot: Point) -> bool {
-        let crowded = world.with_post(robot, COLLISION_RADIUS_M);
+        let with_robot = world.with_post(robot, COLLISION_RADIUS_M);
         let mut ranges = [None; 16];
         let pose = Pose::new(self.position, 0.0);
-        self.ring.scan(&crowded, &pose, &mut ranges);
+        self.ring.scan(&with_robot, &pose, &mut ranges);
         let mut wanted = None;
         for (sensor, range) in ranges.iter().enumerate() {
             let range = range.map(|m: f64| Range::from_mm((m * 1e3) as u16));
@@ -174,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn a_blind_leader_says_when_it_touches_the_robot() {
+    fn a_blind_leader_reports_when_it_touches_the_robot() {
         let world = World::builtin("room").unwrap();
         let robot = Point::default();
         let mut leader = Leader::blind(Point::new(0.8, 0.0), std::f64::consts::PI);

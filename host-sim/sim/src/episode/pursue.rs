@@ -8,7 +8,7 @@ use crate::pilot::{LocalController, Pilot};
 use amp::controller::Command;
 use arena::world::World;
 
-/// Time of carrying the robot, s: long enough for the shield to forget all echoes.
+/// Time of carrying the robot, s: after this time the shield has discarded all echoes.
 pub const CARRY_TIME_S: f64 = 601.0;
 
 /// Explores and learns once, then pursues the behavior `times` times, each from a new start.
@@ -83,8 +83,8 @@ impl EpisodeRunner<'_> {
             if !is_reached(part, &begun, &self.metrics) {
                 return Ok(());
             }
-            let there = !matches!(part, Behavior::Nest) || self.measure.at_nest();
-            self.measure.reached += u32::from(there);
+            let is_there = !matches!(part, Behavior::Nest) || self.measure.at_nest();
+            self.measure.reached += u32::from(is_there);
         }
         Ok(())
     }

@@ -5,13 +5,15 @@ use super::drive::Setup;
 use super::metrics::StepFlags;
 use crate::pilot::SimState;
 use crate::recording::{MapRecord, PlanTrace, Recording, Step};
+use amp::config::Config;
 use amp::controller::Decision;
 use amp::fixed::{Scalar, Weight, to_weight16};
 use amp::memory::from_bytes;
-use amp::planner::Plan;
+use amp::planner::{Plan, difference};
 use amp::som::Som;
 use arena::robot::COLLISION_RADIUS_M;
 use arena::world::{Point, Pose, World};
+use std::f64::consts::TAU;
 
 /// Steps of the current phase and of the one before.
 #[derive(Debug, Default)]
@@ -46,8 +48,8 @@ impl StepRecorder {
 
     pub(super) fn moved(&mut self, moved: &Moved) {
         if let Some(step) = &mut self.open {
-            let way = in_frame(step.pose, moved);
-            step.executed_m = [step.executed_m[0] + way[0], step.executed_m[1] + way[1]];
+            let [x, y] = in_frame(step.pose, moved);
+            step.executed_m = [step.executed_m[0] + x, step.executed_m[1] + y];
         }
     }
 
@@ -72,50 +74,55 @@ impl StepRecorder {
         goal_place: Option<Point>,
         state: &SimState,
     ) -> Recording {
-        let config = &setup.config;
-        let weights = |step: &Step| std::array::from_fn(|i| Weight::from_num(step.situation[i]));
-        let perceived: Vec<_> = self
-            .earlier
-            .iter()
-            .chain(&self.steps)
-            .map(weights)
-            .collect();
-        let changes = state.actions().changes();
-        let differences: Vec<_> = state
-            .memory()
-            .samples()
-            .iter()
-            .map(|s| amp::planner::difference(&from_bytes(&s.after).0, &from_bytes(&s.before).0))
-            .collect();
-        let actions = state.actions().actions().code();
+        let encoding = &setup.config.encoding;
+        let situations = self.situations();
         Recording {
             world: world.clone(),
             behavior: setup.behavior.name(),
             preset: setup.preset.clone(),
             seed: setup.seed,
-            bearings_rad: (0..16)
-                .map(|i| f64::from(i) * std::f64::consts::TAU / 16.0)
-                .collect(),
-            near_m: f64::from(config.encoding.near_mm) / 1e3,
-            far_m: f64::from(config.encoding.far_mm) / 1e3,
+            bearings_rad: (0..16).map(|i| f64::from(i) * TAU / 16.0).collect(),
+            near_m: f64::from(encoding.near_mm) / 1e3,
+            far_m: f64::from(encoding.far_mm) / 1e3,
             goal_place,
             robot_radius_m: COLLISION_RADIUS_M,
             exploration: self.earlier,
             seeking: self.steps,
-            situation_map: map_record(state.situations(), &perceived),
-            change_map: map_record(changes, &differences),
-            actions_m: actions
-                .iter()
-                .map(|code| {
-                    meters(
-                        config
-                            .action_code
-                            .decode(code.map(to_weight16), config.robot.step_mm),
-                    )
-                })
-                .collect(),
+            situation_map: map_record(state.situations(), &situations),
+            change_map: map_record(state.actions().changes(), &sampled_changes(state)),
+            actions_m: learned_actions(&setup.config, state),
         }
     }
+
+    /// The situations of all steps.
+    fn situations(&self) -> Vec<[Weight; 16]> {
+        let situation = |step: &Step| std::array::from_fn(|i| Weight::from_num(step.situation[i]));
+        self.earlier
+            .iter()
+            .chain(&self.steps)
+            .map(situation)
+            .collect()
+    }
+}
+
+/// Change of situation of each sample in the memory.
+fn sampled_changes(state: &SimState) -> Vec<[Weight; 16]> {
+    state
+        .memory()
+        .samples()
+        .iter()
+        .map(|sample| difference(&from_bytes(&sample.after).0, &from_bytes(&sample.before).0))
+        .collect()
+}
+
+/// Displacement of each neuron of the action map, m.
+fn learned_actions(config: &Config<16>, state: &SimState) -> Vec<[f64; 2]> {
+    let displacement = |code: &[_; 2]| {
+        let code = code.map(to_weight16);
+        meters(config.action_code.decode(code, config.robot.step_mm))
+    };
+    let actions = state.actions().actions().code();
+    actions.iter().map(displacement).collect()
 }
 
 fn in_frame(pose: Pose, moved: &Moved) -> [f64; 2] {

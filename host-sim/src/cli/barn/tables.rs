@@ -20,6 +20,38 @@ pub(super) fn print(
     methods: &[BarnMethod],
     out: &mut impl Write,
 ) -> Result<(), CliError> {
+    print_worlds(args, results, out)?;
+    writeln!(out)?;
+    let speed = nomad_speed_m_s();
+    let heads = [
+        "method".to_owned(),
+        "reached % [95 %]".to_owned(),
+        "touched %".to_owned(),
+        "timed out %".to_owned(),
+        "mean time to the goal s".to_owned(),
+        format!("score at {speed} m/s"),
+        format!("score at {CHALLENGE_M_S} m/s"),
+    ];
+    let rows: Vec<_> = methods
+        .iter()
+        .enumerate()
+        .map(|(index, method)| row(results, index, *method))
+        .collect();
+    let text = if args.markdown {
+        table::markdown
+    } else {
+        table::plain
+    };
+    let heads = heads.each_ref().map(String::as_str);
+    Ok(out.write_all(text(&heads, &rows, &[1, 2, 3, 4, 5, 6]).as_bytes())?)
+}
+
+/// Prints how many worlds are passable, and the lengths of their paths.
+fn print_worlds(
+    args: &BarnArgs,
+    results: &[WorldRuns],
+    out: &mut impl Write,
+) -> Result<(), CliError> {
     let count = results.len();
     let passable = results
         .iter()
@@ -53,33 +85,11 @@ pub(super) fn print(
             mean(given)
         )?;
     }
-    writeln!(out)?;
-    let own = settings_speed();
-    let heads = [
-        "method".to_owned(),
-        "reached % [95 %]".to_owned(),
-        "touched %".to_owned(),
-        "timed out %".to_owned(),
-        "mean time to the goal s".to_owned(),
-        format!("score at {own} m/s"),
-        format!("score at {CHALLENGE_M_S} m/s"),
-    ];
-    let rows: Vec<_> = methods
-        .iter()
-        .enumerate()
-        .map(|(index, method)| row(results, index, *method))
-        .collect();
-    let text = if args.markdown {
-        table::markdown
-    } else {
-        table::plain
-    };
-    let heads = heads.each_ref().map(String::as_str);
-    Ok(out.write_all(text(&heads, &rows, &[1, 2, 3, 4, 5, 6]).as_bytes())?)
+    Ok(())
 }
 
 /// The Nomad's highest speed, m/s.
-fn settings_speed() -> f64 {
+fn nomad_speed_m_s() -> f64 {
     f64::from(amp::robot::RobotSpec::nomad200().speed_mm_s) / 1e3
 }
 
@@ -113,7 +123,7 @@ fn row(results: &[WorldRuns], index: usize, method: BarnMethod) -> Vec<String> {
         } else {
             format!("{:.1}", mean(times.iter().copied()))
         },
-        format!("{:.4}", scores(settings_speed())),
+        format!("{:.4}", scores(nomad_speed_m_s())),
         format!("{:.4}", scores(CHALLENGE_M_S)),
     ]
 }
@@ -132,7 +142,7 @@ pub(super) fn objects(result: &WorldRuns, methods: &[BarnMethod]) -> Vec<serde_j
             "time_s": (run.time_s * 1e3 + 0.5).floor() / 1e3,
             "way_m": (length(&run.places) * 1e3 + 0.5).floor() / 1e3,
             "shortest_m": result.shortest_path.as_deref().map(|shortest_path| (length(shortest_path) * 1e4 + 0.5).floor() / 1e4),
-            "score_own_speed": score(run.success_s(), result.length_m, settings_speed()),
+            "score_own_speed": score(run.success_s(), result.length_m, nomad_speed_m_s()),
             "score": score(run.success_s(), result.length_m, CHALLENGE_M_S),
         })
     };

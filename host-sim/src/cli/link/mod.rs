@@ -282,24 +282,9 @@ fn perform(
         (_, CheckedVerb::Parameters(wanted)) => tables::parameters(session, wanted, out),
         (_, CheckedVerb::Ask(message)) => ask(session, &message, out),
         (LinkVerb::Upload { file }, CheckedVerb::Upload(knowledge)) => {
-            knowledge.upload(session)?;
-            let samples = knowledge.samples();
-            let file = file.display();
-            Ok(writeln!(
-                out,
-                "{file}: configuration, maps and {samples} samples uploaded"
-            )?)
+            upload(session, &knowledge, file, out)
         }
-        (LinkVerb::Download { file }, _) => {
-            let knowledge = Knowledge::download(session)?;
-            knowledge.save(file)?;
-            let samples = knowledge.samples();
-            let file = file.display();
-            Ok(writeln!(
-                out,
-                "{file}: configuration, maps and {samples} samples"
-            )?)
-        }
+        (LinkVerb::Download { file }, _) => download(session, file, out),
         (LinkVerb::Explore { moves, seed, span }, _) => {
             let (moves, seed) = (*moves, *seed);
             drive(session, RobotCommand::Explore { moves, seed }, *span, out)
@@ -311,6 +296,32 @@ fn perform(
         (LinkVerb::Counters, _) => tables::counters(session, out),
         _ => tables::hello(session, out),
     }
+}
+
+fn upload(
+    session: &mut Session,
+    knowledge: &Knowledge,
+    file: &Path,
+    out: &mut impl Write,
+) -> Result<(), FollowError> {
+    knowledge.upload(session)?;
+    let samples = knowledge.samples();
+    let file = file.display();
+    Ok(writeln!(
+        out,
+        "{file}: configuration, maps and {samples} samples uploaded"
+    )?)
+}
+
+fn download(session: &mut Session, file: &Path, out: &mut impl Write) -> Result<(), FollowError> {
+    let knowledge = Knowledge::download(session)?;
+    knowledge.save(file)?;
+    let samples = knowledge.samples();
+    let file = file.display();
+    Ok(writeln!(
+        out,
+        "{file}: configuration, maps and {samples} samples"
+    )?)
 }
 
 /// Sends once, without retries: a repeated write wears the flash.

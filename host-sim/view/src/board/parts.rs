@@ -1,13 +1,11 @@
-//! What the page shows of a board.
+//! Builds the snapshot of a board.
 
 use super::WatchedBoard;
-use crate::dto::{meters, millimeters, plan_dto, ring};
-use crate::snapshot::{LiveState, Rounded, SceneDto, SnapshotPart, Xy};
+use crate::dto::{displacements, millimeters, plan_dto, ring};
+use crate::snapshot::{LiveState, Rounded, SceneDto, SnapshotPart};
 use crate::source::ViewSource as _;
 use amp::config::PlannerKind;
-use amp::controller::Decision;
 use amp::planner::difference;
-use amp::units::Displacement;
 use amp::wire::message::ModeReport;
 use arena::world::Point;
 use sim::behavior::Behavior;
@@ -30,7 +28,7 @@ impl WatchedBoard {
             sonar: "the board's own".to_owned(),
             turret: "as it is".to_owned(),
             moves: self.explore_moves,
-            mind: self.name.clone(),
+            controller: self.name.clone(),
             recalls: config.planning.planner == PlannerKind::Recall,
             abilities: self.abilities(),
             behaviors: names.map(about).collect(),
@@ -44,34 +42,22 @@ impl WatchedBoard {
     pub(super) fn now(&self) -> LiveState {
         let decision = self.decision;
         let plan = decision.and_then(|decision| decision.plan);
-        let moved = |way: fn(&Decision<16>) -> Displacement| {
-            decision
-                .as_ref()
-                .map_or(Xy::default(), |it| meters(way(it)))
-        };
+        let [wanted_m, allowed_m] = displacements(decision.as_ref());
         let changed = decision.zip(self.before);
-        let moves = f64::from(self.explore_moves.max(1));
-        let (mode, done) = match self.mode {
-            _ if self.failure.is_some() => ("failed", 0.0),
-            ModeReport::Idle => ("idle", 0.0),
-            ModeReport::Explore { left } => ("explore", 1.0 - f64::from(left) / moves),
-            ModeReport::Learn => ("learn", 0.5),
-            ModeReport::Seek => ("seek", 0.0),
-            ModeReport::Stopped(_) => ("stopped", 0.0),
-        };
+        let (mode, progress) = self.mode_and_progress();
         LiveState {
             time_s: Rounded(self.time_s),
             mode,
             why: self.failure.clone(),
             note: self.note.clone(),
             resumes: mode == "stopped",
-            done: Rounded(done),
-            on: std::array::from_fn(|sensor| self.config.enabled.contains(sensor)),
+            progress: Rounded(progress),
+            enabled: std::array::from_fn(|sensor| self.config.enabled.contains(sensor)),
             situation: decision.map_or_else(Default::default, |it| ring(&it.situation)),
             changed: changed.map(|(now, before)| ring(&difference(&now.situation, &before))),
             plan: plan.map(|plan| plan_dto(&plan, &self.known)),
-            wanted_m: moved(|decision| decision.wanted),
-            allowed_m: moved(|decision| decision.allowed),
+            wanted_m,
+            allowed_m,
             goal: self
                 .goal
                 .to_dto(&self.config, &self.nest(), Point::default()),
@@ -81,6 +67,18 @@ impl WatchedBoard {
             link: Some(self.name.clone()),
             trail: self.trail.ends(),
             ..LiveState::default()
+        }
+    }
+
+    fn mode_and_progress(&self) -> (&'static str, f64) {
+        let moves = f64::from(self.explore_moves.max(1));
+        match self.mode {
+            _ if self.failure.is_some() => ("failed", 0.0),
+            ModeReport::Idle => ("idle", 0.0),
+            ModeReport::Explore { left } => ("explore", 1.0 - f64::from(left) / moves),
+            ModeReport::Learn => ("learn", 0.5),
+            ModeReport::Seek => ("seek", 0.0),
+            ModeReport::Stopped(_) => ("stopped", 0.0),
         }
     }
 }

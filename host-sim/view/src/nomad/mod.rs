@@ -9,7 +9,7 @@ mod source;
 use super::dto::KnowledgeParts;
 use super::echo_trail::EchoTrail;
 use super::goal::ActiveGoal;
-use super::history::{History, mark};
+use super::history::{History, history_entry};
 use super::snapshot::{SceneDto, SnapshotPart};
 use amp::config::Config;
 use amp::controller::Decision;
@@ -90,11 +90,23 @@ pub struct WatchedNomad {
 /// What is known of the controller without a query.
 struct ControllerInfo {
     name: String,
-    here: bool,
+    is_local: bool,
     known: Option<Box<SimState>>,
     /// The state has changed; it was requested.
     stale: bool,
-    asked: bool,
+    requested: bool,
+}
+
+impl ControllerInfo {
+    fn of(controller: &LoggedController) -> Self {
+        Self {
+            name: controller.inner().name(),
+            is_local: controller.inner().is_local(),
+            known: None,
+            stale: true,
+            requested: false,
+        }
+    }
 }
 
 /// Parts of the latest snapshot, and the number of snapshots.
@@ -115,13 +127,7 @@ impl WatchedNomad {
         host: Host,
         controller: LoggedController,
     ) -> Result<Self, BridgeError> {
-        let info = ControllerInfo {
-            name: controller.inner().name(),
-            here: controller.inner().is_local(),
-            known: None,
-            stale: true,
-            asked: false,
-        };
+        let info = ControllerInfo::of(&controller);
         let log = controller.log().cloned();
         let session = BridgeSession::open(host, controller, &start.config, start.sonars_at_once)?;
         let place = session.pose().position;
@@ -155,16 +161,16 @@ impl WatchedNomad {
     }
 
     fn update(&mut self) -> Result<bool, BridgeError> {
-        let turn = self.session.update()?;
-        if let (true, Some(open)) = (turn.touched, &mut self.open) {
+        let update = self.session.update()?;
+        if let (true, Some(open)) = (update.touched, &mut self.open) {
             open.touched = true;
         }
         if self.activity == NomadActivity::Seek {
-            self.distance_m += turn.way_m;
+            self.distance_m += update.distance_m;
         }
         self.record_echoes();
         let mut whole = false;
-        if let Some(result) = turn.result {
+        if let Some(result) = update.result {
             whole = result.outputs.decision.is_some() || result.outputs.mode_changed;
             self.handle_result(result)?;
         }
@@ -214,7 +220,7 @@ impl WatchedNomad {
         }
         if let Some(known) = result.state {
             self.controller.known = Some(known);
-            self.controller.asked = false;
+            self.controller.requested = false;
             self.cache.knowledge.invalidate_maps();
         }
         Ok(())
@@ -223,17 +229,17 @@ impl WatchedNomad {
     /// Ends an activity that the controller has stopped or completed.
     fn update_activity(&mut self, result: &WorkerResult) {
         let outputs = &result.outputs;
-        let happened = result.kind == ResultKind::Events;
+        let is_event = result.kind == ResultKind::Events;
         match self.activity {
             NomadActivity::Explore | NomadActivity::Seek
-                if outputs.stopped.is_some() && happened =>
+                if outputs.stopped.is_some() && is_event =>
             {
                 let why = outputs.stopped.map(EpisodeError::Stopped);
                 self.note = why.map(|why| why.to_string());
                 self.interrupted = self.activity;
                 self.rest(NomadActivity::Stopped);
             }
-            NomadActivity::Explore if outputs.mode_changed && happened => {
+            NomadActivity::Explore if outputs.mode_changed && is_event => {
                 self.rest(NomadActivity::Idle)
             }
             NomadActivity::Learn if result.kind == ResultKind::Learning => {
@@ -255,9 +261,10 @@ impl WatchedNomad {
             self.activity,
             NomadActivity::Explore | NomadActivity::Learn | NomadActivity::Seek
         );
-        let may = self.controller.here && self.activity != NomadActivity::Learn || !moves;
-        if may && self.controller.stale && !self.controller.asked {
-            (self.controller.stale, self.controller.asked) = (false, true);
+        let is_allowed =
+            self.controller.is_local && self.activity != NomadActivity::Learn || !moves;
+        if is_allowed && self.controller.stale && !self.controller.requested {
+            (self.controller.stale, self.controller.requested) = (false, true);
             self.session.request_state();
         }
     }
@@ -298,8 +305,9 @@ impl WatchedNomad {
         let ranges_m = self.session.ranges_m();
         let nearest = ranges_m.iter().flatten().copied().reduce(f64::min);
         let (time_s, place) = (self.session.time_s(), self.session.pose().position);
-        self.trail
-            .push(mark(time_s, place, seeking, flags, neuron, nearest));
+        self.trail.push(history_entry(
+            time_s, place, seeking, flags, neuron, nearest,
+        ));
     }
 
     /// Starts the next part of a chain when the current one is reached; stops after the last.

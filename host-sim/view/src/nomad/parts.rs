@@ -1,15 +1,13 @@
 //! Builds the snapshot of a Nomad.
 
 use super::{NomadActivity, WatchedNomad};
-use crate::dto::{meters, millimeters, plan_dto, pose_dto, ring, xy};
+use crate::dto::{displacements, millimeters, plan_dto, pose_dto, ring, xy};
 use crate::snapshot::{
-    DriveCounts, LiveState, PartMessage, RingValues, Rounded, SceneDto, Snapshot, SnapshotPart, Xy,
+    DriveCounts, LiveState, PartMessage, RingValues, Rounded, SceneDto, Snapshot, SnapshotPart,
 };
 use crate::source::ViewSource as _;
 use amp::config::PlannerKind;
-use amp::controller::Decision;
 use amp::planner::difference;
-use amp::units::Displacement;
 use arena::robot::COLLISION_RADIUS_M;
 use arena::sonar::{RingGeometry, SonarModel};
 use sim::behavior::Behavior;
@@ -64,7 +62,7 @@ impl WatchedNomad {
             sonar: "the robot's own".to_owned(),
             turret: "held".to_owned(),
             moves: start.explore_moves,
-            mind: self.controller.name.clone(),
+            controller: self.controller.name.clone(),
             recalls: config.planning.planner == PlannerKind::Recall,
             abilities: self.abilities(),
             behaviors: names.map(about).collect(),
@@ -75,56 +73,60 @@ impl WatchedNomad {
 
     fn now(&self) -> LiveState {
         let pose = self.session.pose();
-        let decision = self.decision;
         let busy = matches!(self.activity, NomadActivity::Explore | NomadActivity::Seek);
-        let (situation, scan_pose) = match &decision {
+        let (situation, scan_pose) = match &self.decision {
             Some(decision) if busy => (decision.situation, self.decided_at),
             _ => (self.perceived(), pose),
         };
-        let plan = decision.and_then(|decision| decision.plan);
-        let known = self.controller.known.as_deref();
-        let plan = plan.and_then(|plan| Some(plan_dto(&plan, known?)));
-        let place = self.nest.map_or(pose.position, |(_, place)| place);
-        let moved = |way: fn(&Decision<16>) -> Displacement| {
-            decision
-                .as_ref()
-                .map_or(Xy::default(), |it| meters(way(it)))
-        };
-        let (mode, done) = self.mode();
-        let controller = (!self.controller.here).then(|| format!("{} and ", self.controller.name));
+        let (mode, progress) = self.mode();
         LiveState {
             time_s: Rounded(self.time_s),
             step_s: Rounded(0.1),
             pose: pose_dto(pose),
-            heard_at: pose_dto(scan_pose),
+            scan_pose: pose_dto(scan_pose),
             mode,
             why: self.failure.clone(),
             note: self.note.clone(),
             resumes: self.activity == NomadActivity::Stopped
                 && self.interrupted != NomadActivity::Idle,
-            done: Rounded(done),
+            progress: Rounded(progress),
             ranges_m: self.session.ranges_m().map(|range| range.map(Rounded)),
-            on: std::array::from_fn(|sensor| self.config.enabled.contains(sensor)),
+            enabled: std::array::from_fn(|sensor| self.config.enabled.contains(sensor)),
             situation: ring(&situation),
-            changed: self.changed(),
-            plan,
-            wanted_m: moved(|decision| decision.wanted),
-            allowed_m: moved(|decision| decision.allowed),
-            touched: self.open.is_some_and(|open| open.touched),
-            goal: self.goal.to_dto(&self.config, &self.nest(), place),
             counts: self.counts(),
             shield: self.config.shield.is_some(),
             online: self.config.online.is_some(),
-            leader: None,
-            link: Some(format!(
-                "{}{}",
-                controller.unwrap_or_default(),
-                self.start.name
-            )),
-            pace: Default::default(),
+            link: Some(self.addresses()),
             trail: self.trail.ends(),
-            at: None,
-            heard: self.echo_trail.ends(),
+            echo_trail: self.echo_trail.ends(),
+            ..self.decision_state()
+        }
+    }
+
+    /// The fields of the latest decision and its goal.
+    fn decision_state(&self) -> LiveState {
+        let plan = self.decision.and_then(|decision| decision.plan);
+        let known = self.controller.known.as_deref();
+        let [wanted_m, allowed_m] = displacements(self.decision.as_ref());
+        let nest_place = self
+            .nest
+            .map_or(self.session.pose().position, |(_, place)| place);
+        LiveState {
+            changed: self.changed(),
+            plan: plan.and_then(|plan| Some(plan_dto(&plan, known?))),
+            wanted_m,
+            allowed_m,
+            touched: self.open.is_some_and(|open| open.touched),
+            goal: self.goal.to_dto(&self.config, &self.nest(), nest_place),
+            ..LiveState::default()
+        }
+    }
+
+    /// Addresses of the controller, if it is remote, and of the robot.
+    fn addresses(&self) -> String {
+        match self.controller.is_local {
+            true => self.start.name.clone(),
+            false => format!("{} and {}", self.controller.name, self.start.name),
         }
     }
 

@@ -1,16 +1,17 @@
 //! Builds the snapshot of a log.
 
 use super::WatchedLog;
-use crate::dto::{meters, millimeters, plan_dto, pose_dto, ring, xy};
+use crate::dto::{displacements, millimeters, plan_dto, pose_dto, ring, xy};
 use crate::snapshot::{
-    DriveCounts, LiveState, PartMessage, RingValues, Rounded, SceneDto, Snapshot, SnapshotPart, Xy,
+    DriveCounts, LiveState, PartMessage, RingValues, Rounded, SceneDto, Snapshot, SnapshotPart,
 };
 use crate::source::ViewSource as _;
 use amp::config::PlannerKind;
-use amp::controller::{Decision, Mode};
+use amp::controller::Mode;
 use amp::fixed::Weight;
 use amp::planner::difference;
-use amp::units::{Displacement, Range};
+use amp::scan::Situation;
+use amp::units::Range;
 use arena::robot::COLLISION_RADIUS_M;
 use arena::sonar::{RingGeometry, SonarModel};
 use remote::log::Ending;
@@ -26,11 +27,11 @@ impl WatchedLog {
         let learned = learns || controller.state().has_learned();
         let knowledge = &mut self.cache.knowledge;
         parts.extend(knowledge.parts(revision, controller.state(), controller.config(), learned));
-        let heard = self.playback.echo_trail.parts();
+        let echo_trail = self.playback.echo_trail.parts();
         Snapshot {
             parts,
             now: Box::new(self.now()),
-            trail: self.timeline.trail.parts().chain(heard).collect(),
+            trail: self.timeline.trail.parts().chain(echo_trail).collect(),
             revision,
         }
     }
@@ -72,7 +73,7 @@ impl WatchedLog {
             sonar: setup.sonar.clone(),
             turret: setup.turret.clone(),
             moves: setup.explore_moves,
-            mind: "from the log".to_owned(),
+            controller: "from the log".to_owned(),
             recalls: config.planning.planner == PlannerKind::Recall,
             abilities: self.abilities(),
             behaviors: Behavior::NAMES.iter().map(about).collect(),
@@ -84,46 +85,21 @@ impl WatchedLog {
     fn now(&self) -> LiveState {
         let playback = &self.playback;
         let controller = playback.replayer.controller();
-        let (config, state) = (controller.config(), controller.state());
-        let decision = playback.decision;
-        let plan = decision.and_then(|decision| decision.plan);
-        let moved = |way: fn(&Decision<16>) -> Displacement| {
-            decision
-                .as_ref()
-                .map_or(Xy::default(), |it| meters(way(it)))
-        };
-        let perceived = || {
-            let range = |range: Option<f64>| range.map(|m| Range::from_mm((m * 1e3) as u16));
-            playback.ranges_m.map(|m| config.encoding.value(range(m)))
-        };
-        let situation = decision.map_or_else(perceived, |decision| decision.situation);
-        let nest = playback.nest.map_or([Weight::ZERO; 16], |(nest, _)| nest);
-        let place = playback
-            .nest
-            .map_or(playback.pose.position, |(_, place)| place);
-        let goal = playback.goal.as_ref();
-        let (mode, done) = self.mode();
-        let piece = playback.starts.checked_sub(1);
-        let piece = piece.and_then(|start| self.timeline.starts.get(start).copied());
+        let config = controller.config();
+        let (mode, progress) = self.mode();
+        let start = playback.starts.checked_sub(1);
+        let first_chunk = start.and_then(|start| self.timeline.starts.get(start).copied());
         LiveState {
             time_s: Rounded(playback.time_s),
             step_s: Rounded(playback.step_s),
             pose: pose_dto(playback.pose),
-            heard_at: pose_dto(playback.scan_pose),
+            scan_pose: pose_dto(playback.scan_pose),
             mode,
             why: playback.difference.clone(),
             note: self.note(),
-            resumes: false,
-            done: Rounded(done),
+            progress: Rounded(progress),
             ranges_m: playback.ranges_m.map(|range| range.map(Rounded)),
-            on: std::array::from_fn(|sensor| controller.enabled().contains(sensor)),
-            situation: ring(&situation),
-            changed: self.changed(),
-            plan: plan.map(|plan| plan_dto(&plan, state)),
-            wanted_m: moved(|decision| decision.wanted),
-            allowed_m: moved(|decision| decision.allowed),
-            touched: playback.touched,
-            goal: goal.map_or_else(Default::default, |goal| goal.to_dto(config, &nest, place)),
+            enabled: std::array::from_fn(|sensor| controller.enabled().contains(sensor)),
             counts: DriveCounts {
                 distance_m: Rounded(playback.distance_m),
                 coverage_m2: Some(Rounded(playback.coverage.area_m2())),
@@ -132,12 +108,44 @@ impl WatchedLog {
             shield: config.shield.is_some(),
             online: config.online.is_some(),
             leader: playback.leader.map(xy),
-            link: None,
-            pace: Default::default(),
-            trail: [piece.unwrap_or(0), self.timeline.trail.ends()[1]],
+            trail: [first_chunk.unwrap_or(0), self.timeline.trail.ends()[1]],
             at: Some(playback.decided),
-            heard: playback.echo_trail.ends(),
+            echo_trail: playback.echo_trail.ends(),
+            ..self.decision_state()
         }
+    }
+
+    /// The fields of the latest decision and its goal.
+    fn decision_state(&self) -> LiveState {
+        let playback = &self.playback;
+        let controller = playback.replayer.controller();
+        let (config, state) = (controller.config(), controller.state());
+        let decision = playback.decision;
+        let plan = decision.and_then(|decision| decision.plan);
+        let [wanted_m, allowed_m] = displacements(decision.as_ref());
+        let situation = decision.map_or_else(|| self.perceived(), |decision| decision.situation);
+        let nest = playback.nest.map_or([Weight::ZERO; 16], |(nest, _)| nest);
+        let place = playback
+            .nest
+            .map_or(playback.pose.position, |(_, place)| place);
+        let goal = playback.goal.as_ref();
+        LiveState {
+            situation: ring(&situation),
+            changed: self.changed(),
+            plan: plan.map(|plan| plan_dto(&plan, state)),
+            wanted_m,
+            allowed_m,
+            touched: playback.touched,
+            goal: goal.map_or_else(Default::default, |goal| goal.to_dto(config, &nest, place)),
+            ..LiveState::default()
+        }
+    }
+
+    /// The latest ranges as a situation.
+    fn perceived(&self) -> Situation<16> {
+        let encoding = self.playback.replayer.controller().config().encoding;
+        let range = |range: Option<f64>| range.map(|m| Range::from_mm((m * 1e3) as u16));
+        self.playback.ranges_m.map(|m| encoding.value(range(m)))
     }
 
     fn note(&self) -> Option<String> {

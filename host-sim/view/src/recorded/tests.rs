@@ -54,7 +54,7 @@ fn any_moment_is_the_same_from_either_side() {
     let texts = |recorded: &mut WatchedLog| -> Vec<_> {
         let mut now = recorded.snapshot().now;
         // Chunk numbers differ between playbacks.
-        now.heard = [0; 2];
+        now.echo_trail = [0; 2];
         vec![serde_json::to_string(&now).unwrap()]
     };
     assert_eq!(texts(&mut back), texts(&mut forward));

@@ -1,14 +1,14 @@
 //! A log as a list of items, with the history of its decisions.
 
 use crate::dto::shape_dto;
-use crate::history::{History, mark};
+use crate::history::{History, history_entry};
 use crate::snapshot::ShapeDto;
 use amp::controller::Progress;
 use arena::world::{Point, Pose};
 use files::error::BadInput;
 use remote::log::{
-    AnswerRecord, Ending, EventKind, EventRecord, LogFile, SceneChange, SetupRecord, channel,
-    pose_of, scene_changes,
+    AnswerRecord, Ending, EventKind, EventRecord, LogFile, LogMessage, SceneChange, SetupRecord,
+    channel, pose_of, scene_changes,
 };
 use sim::episode::StepFlags;
 use std::sync::Arc;
@@ -53,34 +53,13 @@ impl Timeline {
     pub fn read(log: &LogFile) -> Result<Self, BadInput> {
         let mut items = Vec::new();
         for message in log.messages() {
-            let refuse = |why| BadInput::file(log.path(), why);
-            let mut put = |item| items.push((message.time_ns, item));
-            match message.topic.as_str() {
-                channel::SETUP => put(TimelineItem::Start(Box::new(
-                    message.content().map_err(refuse)?,
-                ))),
-                channel::EVENT => put(TimelineItem::Event(message.content().map_err(refuse)?)),
-                channel::PLAN => put(TimelineItem::Answer(Box::new(
-                    message.content().map_err(refuse)?,
-                ))),
-                channel::POSE => put(TimelineItem::Pose(pose_of(&message).map_err(refuse)?)),
-                channel::SCENE => {
-                    for change in scene_changes(&message).map_err(refuse)? {
-                        put(match change {
-                            SceneChange::Shapes(shapes) => TimelineItem::Shapes(Arc::new(
-                                shapes.iter().map(shape_dto).collect(),
-                            )),
-                            SceneChange::Leader(at) => TimelineItem::Leader(at),
-                        });
-                    }
-                }
-                _ => {}
-            }
+            let added = items_of(&message).map_err(|why| BadInput::file(log.path(), why))?;
+            items.extend(added.into_iter().map(|item| (message.time_ns, item)));
         }
         let mut builder = HistoryBuilder::new();
         items
             .iter()
-            .for_each(|(time_ns, item)| builder.take(*time_ns, item));
+            .for_each(|(time_ns, item)| builder.add(*time_ns, item));
         builder.end();
         if builder.decisions == 0 {
             return Err(BadInput::file(log.path(), "holds no decision"));
@@ -96,26 +75,50 @@ impl Timeline {
     }
 }
 
+/// The items of a message.
+fn items_of(message: &LogMessage) -> Result<Vec<TimelineItem>, String> {
+    Ok(match message.topic.as_str() {
+        channel::SETUP => vec![TimelineItem::Start(Box::new(message.content()?))],
+        channel::EVENT => vec![TimelineItem::Event(message.content()?)],
+        channel::PLAN => vec![TimelineItem::Answer(Box::new(message.content()?))],
+        channel::POSE => vec![TimelineItem::Pose(pose_of(message)?)],
+        channel::SCENE => scene_changes(message)?
+            .into_iter()
+            .map(scene_item)
+            .collect(),
+        _ => Vec::new(),
+    })
+}
+
+fn scene_item(change: SceneChange) -> TimelineItem {
+    match change {
+        SceneChange::Shapes(shapes) => {
+            TimelineItem::Shapes(Arc::new(shapes.iter().map(shape_dto).collect()))
+        }
+        SceneChange::Leader(at) => TimelineItem::Leader(at),
+    }
+}
+
 fn bounds(items: &[(u64, TimelineItem)]) -> [Point; 2] {
     let (mut low, mut high) = (
         Point::new(f64::INFINITY, f64::INFINITY),
         Point::new(f64::NEG_INFINITY, f64::NEG_INFINITY),
     );
-    let mut stretch = |x: f64, y: f64, room: f64| {
+    let mut extend = |x: f64, y: f64, room: f64| {
         low = Point::new(low.x.min(x - room), low.y.min(y - room));
         high = Point::new(high.x.max(x + room), high.y.max(y + room));
     };
     for (_, item) in items {
         match item {
             // Where the surroundings are not known, echoes are shown around the path.
-            TimelineItem::Pose(pose) => stretch(pose.position.x, pose.position.y, 0.3),
+            TimelineItem::Pose(pose) => extend(pose.position.x, pose.position.y, 0.3),
             TimelineItem::Shapes(shapes) => {
                 for shape in shapes.iter() {
                     match shape {
                         ShapeDto::Wall(points) | ShapeDto::Box(points) => {
-                            points.iter().for_each(|[x, y]| stretch(x.0, y.0, 0.0));
+                            points.iter().for_each(|[x, y]| extend(x.0, y.0, 0.0));
                         }
-                        ShapeDto::Circle([x, y], radius) => stretch(x.0, y.0, radius.0),
+                        ShapeDto::Circle([x, y], radius) => extend(x.0, y.0, radius.0),
                     }
                 }
             }
@@ -165,7 +168,7 @@ impl HistoryBuilder {
         }
     }
 
-    fn take(&mut self, time_ns: u64, item: &TimelineItem) {
+    fn add(&mut self, time_ns: u64, item: &TimelineItem) {
         self.time_s = time_ns as f64 / 1e9;
         match item {
             TimelineItem::Start(_) => {
@@ -178,7 +181,7 @@ impl HistoryBuilder {
             TimelineItem::Answer(answer) => self.answer(answer),
             TimelineItem::Pose(pose) => {
                 self.place = pose.position;
-                self.put();
+                self.record_ended();
             }
             TimelineItem::Shapes(_) | TimelineItem::Leader(_) => {}
         }
@@ -236,7 +239,7 @@ impl HistoryBuilder {
 
     /// Ends the current decision.
     fn close(&mut self) {
-        self.put();
+        self.record_ended();
         if let Some(mut open) = self.open.take() {
             let nearest = self.ranges_m.iter().flatten().copied().reduce(f64::min);
             open.ended = Some((self.time_s, nearest));
@@ -245,12 +248,12 @@ impl HistoryBuilder {
     }
 
     /// Adds the ended decision at the current position.
-    fn put(&mut self) {
+    fn record_ended(&mut self) {
         let Some(ended) = self.ending.take() else {
             return;
         };
         let (time_s, nearest) = ended.ended.unwrap_or_default();
-        let mark = mark(
+        let entry = history_entry(
             time_s,
             self.place,
             ended.seeking,
@@ -258,12 +261,12 @@ impl HistoryBuilder {
             ended.neuron,
             nearest,
         );
-        self.trail.push(mark);
+        self.trail.push(entry);
     }
 
     /// Ends the history, or a start.
     fn end(&mut self) {
         self.close();
-        self.put();
+        self.record_ended();
     }
 }

@@ -9,7 +9,7 @@ mod parts;
 use super::command::{CommandOutcome, PageCommand};
 use super::dto::KnowledgeParts;
 use super::goal::ActiveGoal;
-use super::history::{History, mark};
+use super::history::{History, history_entry};
 use super::snapshot::{SceneDto, Snapshot, SnapshotPart};
 use super::source::{Capabilities, CommandRefused, StepOutcome, ViewSource};
 use amp::config::Config;
@@ -340,8 +340,8 @@ impl Simulator {
         let place = self.body.pose().position;
         let seeking = self.activity == SimulatorActivity::Seek;
         let time_s = self.body.time_s();
-        let mark = mark(time_s, place, seeking, flags, neuron, nearest);
-        self.trail.push(mark);
+        let entry = history_entry(time_s, place, seeking, flags, neuron, nearest);
+        self.trail.push(entry);
     }
 
     /// Whether the robot does something or still rolls.

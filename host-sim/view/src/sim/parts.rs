@@ -1,14 +1,13 @@
 //! Builds the snapshot of the simulator.
 
 use super::{Simulator, SimulatorActivity};
-use crate::dto::{meters, millimeters, plan_dto, pose_dto, ring, shape_dto, xy};
+use crate::dto::{displacements, millimeters, plan_dto, pose_dto, ring, shape_dto, xy};
 use crate::snapshot::{
-    DriveCounts, LiveState, PartMessage, RingValues, Rounded, SceneDto, Snapshot, SnapshotPart, Xy,
+    DriveCounts, LiveState, PartMessage, RingValues, Rounded, SceneDto, Snapshot, SnapshotPart,
 };
 use crate::source::ViewSource as _;
 use amp::config::PlannerKind;
 use amp::planner::difference;
-use amp::units::Displacement;
 use arena::robot::COLLISION_RADIUS_M;
 use arena::sonar::RingGeometry;
 use arena::world::World;
@@ -59,51 +58,50 @@ impl Simulator {
             (Some(decision), true) => (decision.situation, self.ranges_m, self.scan_pose),
             _ => (self.perceived(), self.body.look(), pose),
         };
-        let decision = self.decision;
-        let plan = decision.and_then(|decision| decision.plan);
-        let plan = plan.and_then(|plan| {
-            Some(plan_dto(
-                &plan,
-                self.controller.pilot().cached_state().ok()?,
-            ))
-        });
-        let (mode, done) = self.mode();
-        let nest = self.nest();
-        let start = self.nest.map_or(pose.position, |(_, place)| place);
-        let moved = |way: fn(&amp::controller::Decision<16>) -> Displacement| {
-            decision
-                .as_ref()
-                .map_or(Xy::default(), |decision| meters(way(decision)))
-        };
+        let (mode, progress) = self.mode();
         LiveState {
             time_s: Rounded(self.body.time_s()),
             step_s: Rounded(self.step_s),
             pose: pose_dto(pose),
-            heard_at: pose_dto(scan_pose),
+            scan_pose: pose_dto(scan_pose),
             mode,
             why: self.failure.clone(),
             note: self.note.clone(),
             resumes: self.activity == SimulatorActivity::Stopped
                 && self.interrupted != SimulatorActivity::Idle,
-            done: Rounded(done),
+            progress: Rounded(progress),
             ranges_m: ranges_m.map(|range| range.map(Rounded)),
-            on: std::array::from_fn(|sensor| self.controller.inner().enabled().contains(sensor)),
+            enabled: std::array::from_fn(|sensor| {
+                self.controller.inner().enabled().contains(sensor)
+            }),
             situation: ring(&situation),
-            changed: self.changed(),
-            plan,
-            wanted_m: moved(|decision| decision.wanted),
-            allowed_m: moved(|decision| decision.allowed),
-            touched: self.touched,
-            goal: self.goal.to_dto(&self.config, &nest, start),
             counts: self.counts(),
             shield: self.config.shield.is_some(),
             online: self.config.online.is_some(),
             leader: self.body.leader().map(xy),
             link: (!self.controller.inner().is_local()).then(|| self.controller.inner().name()),
-            pace: Default::default(),
             trail: self.trail.ends(),
-            at: None,
-            heard: [0; 2],
+            ..self.decision_state()
+        }
+    }
+
+    /// The fields of the latest decision and its goal.
+    fn decision_state(&mut self) -> LiveState {
+        let plan = self.decision.and_then(|decision| decision.plan);
+        let known = self.controller.pilot().cached_state().ok();
+        let plan = plan.and_then(|plan| Some(plan_dto(&plan, known?)));
+        let [wanted_m, allowed_m] = displacements(self.decision.as_ref());
+        let nest_place = self
+            .nest
+            .map_or(self.body.pose().position, |(_, place)| place);
+        LiveState {
+            changed: self.changed(),
+            plan,
+            wanted_m,
+            allowed_m,
+            touched: self.touched,
+            goal: self.goal.to_dto(&self.config, &self.nest(), nest_place),
+            ..LiveState::default()
         }
     }
 
@@ -174,7 +172,7 @@ fn scene(simulator: &Simulator) -> SceneDto {
         sonar: setup.sonar.name().to_owned(),
         turret: setup.turret.name().to_owned(),
         moves: setup.explore_moves,
-        mind: simulator.controller.inner().name(),
+        controller: simulator.controller.inner().name(),
         recalls: config.planning.planner == PlannerKind::Recall,
         abilities: simulator.abilities(),
         behaviors: Behavior::NAMES.iter().map(|name| about(name)).collect(),

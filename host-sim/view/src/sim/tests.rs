@@ -63,7 +63,7 @@ fn decide(simulator: &mut Simulator, count: usize) -> Vec<Point> {
 }
 
 #[test]
-fn it_decides_as_in_an_episode_whoever_watches() {
+fn viewers_do_not_change_the_decisions_of_an_episode() {
     for sonar in [SonarModel::Ideal, SonarModel::Nomad] {
         let start = start(sonar);
         let mut controller = LocalController::new(start.setup.config.clone());

@@ -6,6 +6,7 @@ use crate::paper::any_ring::Count;
 use crate::paper::gaps::Gaps;
 use crate::paper::goal_switch::GoalSwitches;
 use crate::paper::measure::{FEWER_MOVES, Measured, SceneResult};
+use crate::paper::miniature::Miniature;
 use sim::behavior::Behavior;
 use sim::statistics::mean;
 use sim::statistics::{Mean, bootstrap};
@@ -191,9 +192,7 @@ fn requirement_claim(
         all.all(|(scene, outcomes)| is_reached(scene.required, &outcomes[i]))
     });
     let places: Vec<_> = scenes.iter().map(|(scene, _)| scene.title()).collect();
-    let episodes = scenes
-        .first()
-        .map_or(0, |(_, outcomes)| outcomes[0].episodes);
+    let episodes = episodes_per_scene(scenes.first().copied());
     Claim::new(section, words)
         .holds_if(match name {
             "nest" => "reached in ≥ 98 % of cases in the small room, ≥ 80 % among boxes".to_owned(),
@@ -208,6 +207,11 @@ fn requirement_claim(
             format!("{}; {episodes} episodes each", places.join(" / ")),
         )
         .verdict(ClaimVerdict::of(&met))
+}
+
+/// Episodes of each scene.
+fn episodes_per_scene(first: Option<&SceneResult>) -> usize {
+    first.map_or(0, |(_, outcomes)| outcomes[0].episodes)
 }
 
 /// Wall gap minus obstacle gap, m, by room or seed.
@@ -264,9 +268,7 @@ fn any_behavior(measured: &Measured) -> Claim {
         met.count()
     });
     let all = scenes.len();
-    let episodes = scenes
-        .first()
-        .map_or(0, |(_, outcomes)| outcomes[0].episodes);
+    let episodes = episodes_per_scene(scenes.first());
     Claim::new("5.1", "any behavior can be generated")
         .holds_if("every behavior meets its requirement in docs/behaviors.md, in every scene")
         .measured(
@@ -276,6 +278,15 @@ fn any_behavior(measured: &Measured) -> Claim {
             format!("{all} scenes × {episodes} episodes per preset"),
         )
         .verdict(ClaimVerdict::of(&reached.map(|count| count == all)))
+}
+
+/// Mean share of the miniature robots' moves that touch something, percent.
+fn miniature_contacts(measured: &Measured, of: fn(&Miniature) -> Count) -> f64 {
+    let shares = measured.miniatures.iter().map(|miniature| {
+        let count = of(miniature);
+        percent(count.contacts, count.steps)
+    });
+    mean(shares)
 }
 
 fn any_robot(measured: &Measured) -> Claim {
@@ -295,15 +306,8 @@ fn any_robot(measured: &Measured) -> Claim {
         "ring turning with the heading {}",
         percents(following)
     ));
-    let share = |of: fn(&crate::paper::miniature::Miniature) -> Count| {
-        mean(
-            measured
-                .miniatures
-                .iter()
-                .map(|m| percent(of(m).contacts, of(m).steps)),
-        )
-    };
-    let (seeking, exploring) = (share(|m| m.seeking), share(|m| m.exploration));
+    let seeking = miniature_contacts(measured, |miniature| miniature.seeking);
+    let exploring = miniature_contacts(measured, |miniature| miniature.exploration);
     met.push(seeking <= exploring / 10.0);
     Claim::new("5.1", "the defined goals are independent of the robot geometry or actuators")
         .holds_if("the same goal keeps ≥ 99 % of rooms clean on any ring; the miniature robot touches at most a tenth as often as by random moves")

@@ -128,16 +128,38 @@ fn by_content(measured: &Measured) -> Claim {
 }
 
 fn chains(measured: &Measured) -> [Claim; 3] {
-    let [uniform, clusters, _] = &measured.chains;
+    let sample = format!("{} chains of {NEURONS} neurons", measured.chains[0].len());
+    let [regions, void] = clustered_chains(measured, &sample);
+    [uniform_chains(measured, &sample), regions, void]
+}
+
+fn uniform_chains(measured: &Measured, sample: &str) -> Claim {
+    let [uniform, ..] = &measured.chains;
     let shares: Vec<f64> = uniform.iter().flat_map(Chain::relative_hits).collect();
     let least = shares.iter().copied().fold(f64::INFINITY, f64::min);
     let most = shares.iter().copied().fold(0.0, f64::max);
+    Claim::new(
+        "Fig. 1a",
+        "each neuron represents 1/32 (on average) of the input space",
+    )
+    .holds_if("every neuron between half and twice 1/32")
+    .measured(
+        format!(
+            "{least:.2} to {most:.2} times 1/32, standard deviation {:.2}",
+            spread(&shares)
+        ),
+        format!("{sample}, {PROBES} fresh points each"),
+    )
+    .verdict(ClaimVerdict::of(&[least >= 0.5 && most <= 2.0]))
+}
+
+fn clustered_chains(measured: &Measured, sample: &str) -> [Claim; 2] {
+    let [_, clusters, _] = &measured.chains;
     let void: Vec<usize> = clusters.iter().map(|chain| chain.in_the_void).collect();
     let inside = void
         .iter()
         .map(|&v| 100.0 * (1.0 - v as f64 / NEURONS as f64));
-    let inside: Vec<f64> = inside.collect();
-    let sample = format!("{} chains of {NEURONS} neurons", uniform.len());
+    let inside = mean(inside);
     let (fewest, greatest) = (
         void.iter().min().copied().unwrap_or(0),
         void.iter().max().copied().unwrap_or(0),
@@ -148,29 +170,19 @@ fn chains(measured: &Measured) -> [Claim; 3] {
         format!("{fewest} to ")
     };
     [
-        Claim::new(
-            "Fig. 1a",
-            "each neuron represents 1/32 (on average) of the input space",
-        )
-        .holds_if("every neuron between half and twice 1/32")
-        .measured(
-            format!(
-                "{least:.2} to {most:.2} times 1/32, standard deviation {:.2}",
-                spread(&shares)
-            ),
-            format!("{sample}, {PROBES} fresh points each"),
-        )
-        .verdict(ClaimVerdict::of(&[least >= 0.5 && most <= 2.0])),
         Claim::new("Fig. 1b", "neurons code preferably these 2 regions")
             .holds_if("≥ 90 % of the neurons lie inside the two clusters")
-            .measured(percents(mean(inside.iter().copied())), sample.clone())
-            .verdict(ClaimVerdict::of(&[mean(inside.iter().copied()) >= 90.0])),
+            .measured(percents(inside), sample.to_owned())
+            .verdict(ClaimVerdict::of(&[inside >= 90.0])),
         Claim::new(
             "Fig. 1b",
             "a few neurons code space regions devoid of input points",
         )
         .holds_if("every chain has at least one such neuron")
-        .measured(format!("{from}{greatest} of {NEURONS} neurons"), sample)
+        .measured(
+            format!("{from}{greatest} of {NEURONS} neurons"),
+            sample.to_owned(),
+        )
         .verdict(ClaimVerdict::of(&[fewest >= 1])),
     ]
 }

@@ -13,12 +13,12 @@ fn at(x: i32, ms: u32) -> PosData {
     }
 }
 
-fn state(x: i32, ms: u32, echoes: &[(usize, i32, u32)]) -> NomadState {
-    let mut state = NomadState {
+fn state(x: i32, ms: u32, echoes: &[(usize, i32, u32)]) -> NomadReadings {
+    let mut state = NomadReadings {
         pose: at(x, 0).pose,
         time_ms: ms,
         sonar: [50; 16],
-        ..NomadState::default()
+        ..NomadReadings::default()
     };
     for &(sensor, x, ms) in echoes {
         state.sonar_at[sensor] = at(x, ms);
@@ -27,7 +27,7 @@ fn state(x: i32, ms: u32, echoes: &[(usize, i32, u32)]) -> NomadState {
 }
 
 #[test]
-fn echoes_come_in_the_order_they_were_heard_with_the_way_between() {
+fn echoes_are_delivered_in_order_with_odometry_between_them() {
     let mut queue = EventQueue::default();
     queue.begin(&state(0, 1_000, &[]));
     // Rolling along x is a motion to the right of the ring: 100 units are 254 mm.
@@ -177,7 +177,7 @@ fn an_echo_from_before_the_packet_before_keeps_its_age() {
 }
 
 #[test]
-fn what_is_told_after_a_command_is_older_then() {
+fn events_queued_before_a_command_become_older() {
     let mut queue = EventQueue::default();
     queue.begin(&state(0, 1_000, &[]));
     queue.add_state(&state(0, 1_046, &[(0, 0, 1_010)]), None, None);
@@ -191,7 +191,7 @@ fn what_is_told_after_a_command_is_older_then() {
 }
 
 #[test]
-fn time_that_passes_is_told_once() {
+fn elapsed_time_is_reported_once() {
     let mut queue = EventQueue::default();
     queue.begin(&state(0, 1_000, &[]));
     assert!(queue.take_events().is_empty());
@@ -209,7 +209,7 @@ fn time_that_passes_is_told_once() {
 struct ExploringRobot {
     events: EventQueue,
     controller: LocalController,
-    state: NomadState,
+    state: NomadReadings,
     motion: Option<u16>,
 }
 
@@ -231,16 +231,16 @@ impl ExploringRobot {
         exploration
     }
 
-    /// Delivers a packet; `heard_ms` = all sonars have a new echo of this time. Returns whether the
+    /// Delivers a packet; `sensed_ms` = all sonars have a new echo of this time. Returns whether the
     /// controller decides.
-    fn packet(&mut self, ms: u32, heard_ms: Option<u32>, news: Option<Progress>) -> bool {
+    fn packet(&mut self, ms: u32, sensed_ms: Option<u32>, progress: Option<Progress>) -> bool {
         self.state.time_ms = ms;
-        if let Some(heard_ms) = heard_ms {
+        if let Some(sensed_ms) = sensed_ms {
             for place in &mut self.state.sonar_at {
-                *place = at(0, heard_ms);
+                *place = at(0, sensed_ms);
             }
         }
-        self.events.add_state(&self.state, self.motion, news);
+        self.events.add_state(&self.state, self.motion, progress);
         let result = deliver(&mut self.controller, &self.events.take_events());
         assert_eq!(result.outputs.stopped, None, "{ms}");
         if let Some((_, motion)) = result.motion {
@@ -270,7 +270,7 @@ fn an_echo_from_before_a_pause_completes_no_ring() {
 }
 
 #[test]
-fn the_sonars_asked_for_are_those_heard_longest_ago() {
+fn the_requested_sonars_are_those_with_the_oldest_echoes() {
     let mut queue = EventQueue::default();
     let mut old = state(0, 10_000, &[]);
     for sensor in 0..16 {

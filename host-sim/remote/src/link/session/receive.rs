@@ -1,4 +1,4 @@
-//! Receives the controller's reports, each one once, and notes missing ones.
+//! Receives the controller's reports, each one once, and lists missing ones.
 
 use super::Session;
 use crate::link::LinkError;
@@ -6,7 +6,7 @@ use amp::wire::message::{DeviceMessage, ResetCause};
 use amp::wire::{FrameError, Header, Report, frame};
 use std::time::Instant;
 
-/// Limit for noted missing reports: more than a controller can repeat.
+/// Limit for the list of missing reports: more than a controller can repeat.
 const MAX_MISSING: usize = 1_000;
 
 impl Session {
@@ -48,7 +48,7 @@ impl Session {
         Ok(None)
     }
 
-    /// Whether a report of this number has not come before.
+    /// Whether a report of this number has not been received before.
     fn is_new(&mut self, number: u16) -> bool {
         let last = *self.controller_seq.get_or_insert(number.wrapping_sub(1));
         let ahead = number.wrapping_sub(last) as i16;
@@ -57,7 +57,7 @@ impl Session {
             let between = (1..ahead).map(|step| last.wrapping_add(step as u16));
             self.missing.extend(between.take(room));
             let surplus = (ahead as usize - 1).saturating_sub(room);
-            self.given_up = self.given_up.saturating_add(surplus as u32);
+            self.untracked = self.untracked.saturating_add(surplus as u32);
             self.controller_seq = Some(number);
             return true;
         }
@@ -86,11 +86,11 @@ impl Session {
             if count == 0 {
                 return Ok(None);
             }
-            self.take(buffer.get(..count).unwrap_or(&buffer));
+            self.decode(buffer.get(..count).unwrap_or(&buffer));
         }
     }
 
-    fn take(&mut self, bytes: &[u8]) {
+    fn decode(&mut self, bytes: &[u8]) {
         for &byte in bytes {
             let Some(bytes) = self.receiver.push(byte) else {
                 continue;
@@ -100,7 +100,7 @@ impl Session {
                 Err(FrameError::Content { .. }) => {
                     self.unknown_messages = self.unknown_messages.saturating_add(1)
                 }
-                // A damaged frame is noticed by the gap in the numbers.
+                // A damaged frame leaves a gap in the numbers.
                 Err(FrameError::Shape | FrameError::Crc | FrameError::TooLong) => {}
             }
         }
@@ -113,15 +113,15 @@ mod tests {
     use crate::link::Silent;
 
     #[test]
-    fn reports_that_come_late_are_news_and_those_that_come_again_are_not() {
+    fn late_reports_are_new_and_repeated_ones_are_not() {
         let mut session = Session::new(Silent);
-        let mut hear = |number: u16| (session.is_new(number), session.missing.clone());
-        assert_eq!(hear(65_533), (true, vec![]));
-        assert_eq!(hear(0), (true, vec![65_534, 65_535]));
-        assert_eq!(hear(65_535), (true, vec![65_534]));
-        assert_eq!(hear(65_535), (false, vec![65_534]));
-        assert_eq!(hear(0), (false, vec![65_534]));
-        assert_eq!(hear(1), (true, vec![65_534]));
+        let mut receive = |number: u16| (session.is_new(number), session.missing.clone());
+        assert_eq!(receive(65_533), (true, vec![]));
+        assert_eq!(receive(0), (true, vec![65_534, 65_535]));
+        assert_eq!(receive(65_535), (true, vec![65_534]));
+        assert_eq!(receive(65_535), (false, vec![65_534]));
+        assert_eq!(receive(0), (false, vec![65_534]));
+        assert_eq!(receive(1), (true, vec![65_534]));
         let said = |device_ms| Report {
             device_ms,
             message: DeviceMessage::Counters(amp::wire::message::Counters::NONE),
@@ -139,20 +139,20 @@ mod tests {
     }
 
     #[test]
-    fn a_gap_of_any_size_is_counted_and_takes_little_room() {
+    fn a_gap_of_any_size_is_counted_in_bounded_memory() {
         let mut session = Session::new(Silent);
-        for (number, kept, given_up) in [
+        for (number, listed, untracked) in [
             (0, 0, 0),
             (30_000, 1_000, 28_999),
             (30_003, 1_000, 29_001),
-            // One that is noted as missing, and one that is not.
+            // One that is listed as missing, and one that is not.
             (1_000, 999, 29_001),
             (1_001, 999, 29_001),
             (30_005, 1_000, 29_001),
         ] {
             session.is_new(number);
-            let counts = (session.missing.len(), session.given_up);
-            assert_eq!(counts, (kept, given_up), "{number}");
+            let counts = (session.missing.len(), session.untracked);
+            assert_eq!(counts, (listed, untracked), "{number}");
         }
         assert_eq!(session.answer(0, Vec::new()).missing, 30_001);
         assert_eq!(session.answer(0, Vec::new()).missing, 0);

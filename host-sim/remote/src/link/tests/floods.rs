@@ -42,7 +42,7 @@ const FLOODS: [(u16, u16); 3] = [(9, 1), (1, 0), (1, 1)];
 
 #[test]
 fn no_wait_outlasts_its_attempts_however_much_is_sent() {
-    let waited = RETRY.whole();
+    let waited = RETRY.total_timeout();
     let silent = Some(LinkError::Silent { waited });
     for (session, step) in FLOODS {
         let name = format!("session {session}, step {step}");
@@ -62,7 +62,7 @@ fn no_wait_outlasts_its_attempts_however_much_is_sent() {
         let counting = end(|session| session.counters().err());
         assert_eq!(counting, silent, "{name}");
         let listening = end(|session| {
-            let until = Instant::now() + RETRY.whole();
+            let until = Instant::now() + RETRY.total_timeout();
             loop {
                 match session.next_report(until) {
                     Ok(Some(_)) => {}

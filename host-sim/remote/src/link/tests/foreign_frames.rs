@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 #[test]
-fn nobody_at_the_other_end_is_said_after_two_seconds() {
+fn a_silent_other_end_times_out_after_two_seconds() {
     let error = Session::new(Silent).open(1, Clock::Host).unwrap_err();
     assert_eq!(
         error,
@@ -60,7 +60,7 @@ impl<T: Transport> Transport for Stranger<T> {
 }
 
 #[test]
-fn another_protocol_on_either_side_is_told_in_a_sentence() {
+fn another_protocol_on_either_side_is_named_in_the_error() {
     let ours = Dimensions {
         protocol: PROTOCOL,
         schema: SCHEMA,
@@ -154,7 +154,7 @@ fn a_mind_that_starts_anew_is_noticed_and_found_again() {
 }
 
 #[test]
-fn a_late_answer_of_the_session_before_is_nobodys() {
+fn a_late_answer_of_an_earlier_session_is_ignored() {
     let shared = SharedNode(Arc::new(Mutex::new(InProcessNode::new(
         Config::recommended(),
     ))));
@@ -169,7 +169,7 @@ fn a_late_answer_of_the_session_before_is_nobodys() {
 }
 
 #[test]
-fn a_host_that_starts_anew_with_the_same_number_is_heard() {
+fn a_restarted_host_with_the_same_session_number_is_accepted() {
     let shared = SharedNode(Arc::new(Mutex::new(InProcessNode::new(
         Config::recommended(),
     ))));

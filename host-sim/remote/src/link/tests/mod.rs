@@ -12,7 +12,7 @@ use arena::world::World;
 use sim::behavior::Behavior;
 use sim::episode::{Episode, Setup, run, run_with};
 use sim::error::EpisodeError;
-use sim::pilot::{HeardEcho, LocalController, Pilot as _};
+use sim::pilot::{AgedEcho, LocalController, Pilot as _};
 use sim::settings;
 use std::io;
 use std::sync::Arc;
@@ -285,7 +285,7 @@ impl LocalAndRemote {
     /// Sends a whole ring of this age; returns whether it caused a decision.
     fn ring(&mut self, at_ms: u32, age_ms: u32) -> bool {
         let at = Millis::from_ms(at_ms);
-        let echoes: [_; 16] = std::array::from_fn(|sensor| HeardEcho {
+        let echoes: [_; 16] = std::array::from_fn(|sensor| AgedEcho {
             sensor: sensor as u8,
             range: Some(Range::from_mm(1_500)),
             age_ms,

@@ -90,7 +90,7 @@ fn who_goes_towards_a_thing_closes_the_gap() {
 
 /// The robot touches nothing itself before that.
 #[test]
-fn a_leader_that_rams_the_robot_is_told_apart_from_a_robot_that_rolls_into_it() {
+fn a_leader_that_rams_the_robot_differs_from_a_robot_that_rolls_into_it() {
     let world = hall();
     for sonar in SONARS {
         for (sense, by) in [
@@ -116,7 +116,7 @@ fn a_leader_that_rams_the_robot_is_told_apart_from_a_robot_that_rolls_into_it() 
 /// Contacts count only the robot's own touches. They are counted until the robots meet, because
 /// then the robot is stuck.
 #[test]
-fn a_tally_keeps_both_kinds_of_touch_apart() {
+fn metrics_count_both_kinds_of_touch_separately() {
     let world = hall();
     for (sonar, sense, steps, counted) in [
         (SonarModel::Ideal, 1, 3, (1, 0)),
