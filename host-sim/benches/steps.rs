@@ -1,8 +1,8 @@
 //! Whole robot steps per second: sense, mind and motion, in rooms of few and of very many surfaces.
 //!
 //! With the argument `rounds` many short rounds of two rooms, with and without the shield, in turns
-//! instead: on a machine that is not always there for one the best of them tells what the code does,
-//! and the median what one gets.
+//! instead: on a machine that is not always there for one the best of them tells what the code
+//! does, and the median what one gets.
 
 use amp::config::Config;
 use amp::controller::{Command, Event};

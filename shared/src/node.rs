@@ -3,8 +3,8 @@
 //! [`Node::frame`] takes a received frame, does what it asks for and sends the answers.
 //! [`Node::tick`] lets time pass: a slice of learning, the supervision of link and ring, motions
 //! renewed before they expire. Every accepted frame but a sign of life is answered with its results
-//! and then [`DeviceMessage::Done`](crate::wire::DeviceMessage::Done). When the last accepted frame is
-//! repeated, its answer is sent again byte for byte, and nothing is done twice.
+//! and then [`DeviceMessage::Done`](crate::wire::DeviceMessage::Done). When the last accepted frame
+//! is repeated, its answer is sent again byte for byte, and nothing is done twice.
 //!
 //! When the host falls silent for longer than [`SILENCE_MS`](crate::link::SILENCE_MS) the robot
 //! stops with [`StopReason::LinkLost`] and stays stopped until the host resumes it.

@@ -14,15 +14,14 @@
 //! An image is written record by record and is valid only with its last record, whose checksum
 //! covers all others. Framing, first and last record never change, so every version of the program
 //! can check the images of all others; *layout* and *grammar* (the CRC-32 of the grammar from
-//! `Config` on) tell whether it can also read them. Not saved: motions and rings under way, a search
-//! for a place, counters, the link.
+//! `Config` on) tell whether it can also read them. Not saved: motions and rings under way, a
+//! search for a place, counters, the link.
 //!
 //! Cost: writing takes a record's bytes of memory, reading and checking as much; an image for the
 //! Nomad has at most [`MAX_NOMAD`] bytes.
 
 use crate::checksum::{CRC, Checksum};
-use crate::config::Config;
-use crate::config::MAX_CONFIG;
+use crate::config::{Config, MAX_CONFIG};
 use crate::controller::{State, StatePart};
 use crate::goal::{Goal, Name, NamedGoal, NamedGoals};
 

@@ -41,7 +41,8 @@ pub enum HostMessage<const SENSORS: usize> {
         /// What became of the motion.
         progress: Progress,
     },
-    /// Something to do. Not done when older than its time to live; [`RobotCommand::Stop`] is always done.
+    /// A command to the robot. Refused when older than its time to live, except
+    /// [`RobotCommand::Stop`].
     Command {
         /// Host's time.
         at_ms: u32,
@@ -50,7 +51,8 @@ pub enum HostMessage<const SENSORS: usize> {
         /// The command.
         command: RobotCommand<SENSORS>,
     },
-    /// Asks for a piece of a part; answered with [`DeviceMessage::Chunk`](super::DeviceMessage::Chunk).
+    /// Asks for a chunk of a part; answered with
+    /// [`DeviceMessage::Chunk`](super::DeviceMessage::Chunk).
     Read {
         /// The part.
         part: TransferPart,

@@ -231,8 +231,8 @@ impl ExploringRobot {
         exploration
     }
 
-    /// Delivers a packet; `sensed_ms` = all sonars have a new echo of this time. Returns whether the
-    /// controller decides.
+    /// Delivers a packet; `sensed_ms` = all sonars have a new echo of this time. Returns whether
+    /// the controller decides.
     fn packet(&mut self, ms: u32, sensed_ms: Option<u32>, progress: Option<Progress>) -> bool {
         self.state.time_ms = ms;
         if let Some(sensed_ms) = sensed_ms {
