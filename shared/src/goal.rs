@@ -23,7 +23,6 @@ const AVOIDING_Q16: u16 = 33;
 
 /// What is asked of one transducer's value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Component {
     /// Least value wanted.
     pub low: Weight,
@@ -114,7 +113,6 @@ pub enum GoalFrame {
 
 /// A goal situation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(align(4))]
 pub struct Goal<const SENSORS: usize> {
     /// What is asked of each value.

@@ -53,7 +53,7 @@
 //! | `link` | yes | [`wire`], [`link`], [`node`]: the controller behind a serial link (needs `store`) |
 //! | `store` | yes | [`store`]: the saved image |
 //! | `faults` | yes | fault detection; without it [`faults::Detector`] detects nothing |
-//! | `defmt` | no | `defmt::Format` for units, goals, plans, modes, refusals and faults |
+//! | `defmt` | no | `defmt::Format` for units, motions, modes, refusals and faults |
 //!
 //! # Limits
 //!

@@ -70,7 +70,6 @@ impl core::fmt::Display for Why {
 
 /// One decision with all its intermediate values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(align(4))]
 pub struct Plan<const SENSORS: usize> {
     /// Neuron that stands for the goal.

@@ -45,7 +45,7 @@ mod tests {
     const INTERNAL_HZ: u32 = 16_000_000;
 
     /// A board, started as the firmware starts it.
-    struct BoardBench(Devices<board_module::Link>);
+    struct BoardBench(Devices<board_module::LinkUart>);
 
     #[init]
     fn init() -> BoardBench {

@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 
 /// What the robot is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
 pub enum Mode<const SENSORS: usize> {
     /// Nothing.
@@ -79,7 +78,6 @@ pub enum CommandRefusal {
 
 /// A command to the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Command<const SENSORS: usize> {
     /// Forget the samples and take so many new ones by random moves.
     Explore {

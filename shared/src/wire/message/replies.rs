@@ -135,6 +135,7 @@ impl MotionCommand {
 
 /// What the robot is doing, without the goal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ModeReport {
     /// Nothing.
     Idle,
