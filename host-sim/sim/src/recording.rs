@@ -3,6 +3,8 @@
 //!
 //! Every picture of an episode is drawn from a [`Recording`], so it can be drawn again later.
 
+use amp::fixed::Weight;
+use amp::som::Som;
 use arena::world::{Point, Pose, World};
 
 /// One decision and its execution.
@@ -64,6 +66,27 @@ pub struct MapRecord {
     pub hits: Vec<usize>,
     /// Mean distance of each neuron to its direct neighbors (U-matrix).
     pub u_matrix: Vec<f64>,
+}
+
+impl MapRecord {
+    /// The map, with the hits of these samples.
+    #[must_use]
+    pub fn new<const NEURONS: usize, const DIMS: usize>(
+        map: &Som<NEURONS, DIMS>,
+        samples: &[[Weight; DIMS]],
+    ) -> Self {
+        let (_, hits) = map.quality(samples);
+        let code = map.code().iter();
+        let distances = map.u_matrix();
+        Self {
+            grid: [map.grid().columns(), map.grid().rows()],
+            code: code
+                .map(|row| row.iter().map(|value| value.to_num()).collect())
+                .collect(),
+            hits: hits.iter().map(|&hit| hit as usize).collect(),
+            u_matrix: distances.iter().map(|&u| f64::from(u) / 8_192.0).collect(),
+        }
+    }
 }
 
 /// A whole episode: one world, one exploration, one behavior.

@@ -7,12 +7,10 @@
 use super::any_ring::{AnyRing, Count, SensorModel};
 use super::topology::{MapTopology, topology_of};
 use amp::config::Config;
-use amp::fixed::Weight;
 use amp::goal::Goal;
 use amp::memory::from_bytes;
 use amp::robot::RobotSpec;
 use amp::scan::Encoding;
-use amp::som::Som;
 use arena::robot::TurretMode;
 use arena::world::{Point, Pose, Shape, World};
 use files::error::BadInput;
@@ -68,7 +66,7 @@ pub fn walk(seed: u64) -> Result<Miniature, BadInput> {
         .map(|sample| from_bytes(&sample.after).0)
         .collect();
     let topology = topology_of(situations, &perceived, seed);
-    let map = map_record(situations, &perceived);
+    let map = MapRecord::new(situations, &perceived);
     let seeking = robot.seek(Goal::avoiding(&config), STEPS);
     let directions = &config.robot.directions;
     Ok(Miniature {
@@ -84,24 +82,6 @@ pub fn walk(seed: u64) -> Result<Miniature, BadInput> {
         seeking,
         world,
     })
-}
-
-fn map_record(map: &Som<16, 8>, perceived: &[[Weight; 8]]) -> MapRecord {
-    let (_, hits) = map.quality(perceived);
-    MapRecord {
-        grid: [4, 4],
-        code: map
-            .code()
-            .iter()
-            .map(|row| row.iter().map(|value| value.to_num()).collect())
-            .collect(),
-        hits: hits.iter().map(|&hit| hit as usize).collect(),
-        u_matrix: map
-            .u_matrix()
-            .iter()
-            .map(|&u| f64::from(u) / 8_192.0)
-            .collect(),
-    }
 }
 
 /// A configuration with the paper's four steps at the scale of the miniature robot.

@@ -116,6 +116,7 @@ impl SweepPlan {
         Ok(setup.pursuing(behavior.unwrap_or(sim::behavior::Behavior::Avoid)))
     }
 }
+
 /// Number of episodes of a sweep.
 fn episode_count(description: &Description) -> Result<u64, BadInput> {
     let Description {

@@ -10,7 +10,6 @@ use amp::controller::Decision;
 use amp::fixed::{Scalar, Weight, to_weight16};
 use amp::memory::from_bytes;
 use amp::planner::{Plan, difference};
-use amp::som::Som;
 use arena::robot::COLLISION_RADIUS_M;
 use arena::world::{Point, Pose, World};
 use std::f64::consts::TAU;
@@ -88,8 +87,8 @@ impl StepRecorder {
             robot_radius_m: COLLISION_RADIUS_M,
             exploration: self.earlier,
             seeking: self.steps,
-            situation_map: map_record(state.situations(), &situations),
-            change_map: map_record(state.actions().changes(), &sampled_changes(state)),
+            situation_map: MapRecord::new(state.situations(), &situations),
+            change_map: MapRecord::new(state.actions().changes(), &sampled_changes(state)),
             actions_m: learned_actions(&setup.config, state),
         }
     }
@@ -154,19 +153,5 @@ fn plan_record(plan: &Plan<16>) -> PlanTrace {
         action_neuron: usize::from(plan.action_neuron),
         reason: plan.why.to_string(),
         at_goal: plan.at_goal,
-    }
-}
-
-fn map_record(map: &Som<16, 16>, samples: &[[Weight; 16]]) -> MapRecord {
-    let (_, hits) = map.quality(samples);
-    MapRecord {
-        grid: [map.grid().columns(), map.grid().rows()],
-        code: map.code().iter().map(|row| values(row)).collect(),
-        hits: hits.iter().map(|&hit| hit as usize).collect(),
-        u_matrix: map
-            .u_matrix()
-            .iter()
-            .map(|&u| f64::from(u) / 8_192.0)
-            .collect(),
     }
 }

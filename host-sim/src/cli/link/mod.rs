@@ -24,16 +24,16 @@ use std::time::{Duration, Instant};
 
 const EXAMPLES: &str = "\
 Examples, each after `host-sim link --to serial:/dev/ttyUSB0`:
-  hello              print the controller's version and sizes
-  monitor            print its messages until Ctrl-C
-  explore 100        make 100 random moves (the robot drives!)
-  learn              learn the maps from them
-  pull robot.mind    download the learned state
-  push robot.mind    upload it, to this chip or another
-  flash save         save it in flash
-  goal wall-right    set the goal ...
-  seek               ... and pursue it (the robot drives!)
-  params far 1200    change a parameter
+  hello                print the controller's version and sizes
+  monitor              print its messages until Ctrl-C
+  explore 100          make 100 random moves (the robot drives!)
+  learn                learn the maps from them
+  download robot.mind  save the learned state in a file
+  upload robot.mind    load it, to this chip or another
+  flash save           save it in flash
+  goal wall-right      set the goal ...
+  seek                 ... and pursue it (the robot drives!)
+  params far 1200      change a parameter
 
 Without any hardware, in an emulated chip:
   host-sim link --to qemu hello
