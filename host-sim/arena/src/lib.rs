@@ -1,7 +1,8 @@
 //! Simulated worlds, sonars in them, and motion of a base.
 //!
 //! Plain geometry in meters and radians, independent of controllers, episodes and pictures.
-//! Dependencies: geometry ← shapes ← surfaces ← caster ← world ← {sonar, robot, loaders}.
+//! Dependencies: geometry ← shapes ← surfaces ← caster ← world ← {sonar, robot, robot_model,
+//! loaders}.
 
 mod caster;
 mod direction;
@@ -12,6 +13,7 @@ mod nomad;
 #[cfg(test)]
 mod reference;
 pub mod robot;
+pub mod robot_model;
 mod shapes;
 pub mod sonar;
 mod surfaces;
