@@ -14,12 +14,14 @@ mod image;
 pub(crate) mod occupancy;
 mod pgm;
 mod random;
+mod random2;
 pub mod rooms;
 mod ros_map;
 mod sdf;
 mod spec;
 mod toml_file;
 
+pub use random2::WorldKind;
 pub use spec::{WorldSource, parse_worlds};
 
 impl World {

@@ -1,5 +1,6 @@
-//! Names of worlds: a file, a folder of files, random rooms, or a built-in world.
+//! Names of worlds: a file, a folder of files, random worlds, or a built-in world.
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use super::barn::{self, BarnSource};
@@ -7,7 +8,7 @@ use super::builtin;
 use crate::world::World;
 use files::error::{BadInput, suggestion};
 
-/// Maximum number of rooms in a range.
+/// Maximum number of random worlds in a range.
 const MAX_RANGE: u64 = 1_000_000;
 
 /// A world that is not built yet. It is small, and can be built on any thread.
@@ -17,6 +18,8 @@ pub enum WorldSource {
     File(PathBuf),
     /// The random room of this seed.
     Random(u64),
+    /// The random world of another kind of this seed.
+    Random2(u64),
     /// A built-in world, by name.
     Builtin(&'static str),
     /// A world of the BARN benchmark.
@@ -32,6 +35,7 @@ impl WorldSource {
         match self {
             Self::File(path) => World::load(path),
             Self::Random(seed) => Ok(World::random(*seed)),
+            Self::Random2(seed) => Ok(World::random2(*seed)),
             Self::Builtin(name) => World::builtin(name),
             Self::Barn(source) => source.load(),
         }
@@ -44,22 +48,23 @@ impl std::fmt::Display for WorldSource {
         match self {
             Self::File(path) => write!(f, "{}", path.display()),
             Self::Random(seed) => write!(f, "random:{seed}"),
+            Self::Random2(seed) => write!(f, "random2:{seed}"),
             Self::Builtin(name) => f.write_str(name),
             Self::Barn(source) => source.fmt(f),
         }
     }
 }
 
-/// The worlds `text` names, in order: a built-in name, `random:SEED`, `random:A..=B`, a folder (its
-/// `.toml`, `.yaml` and `.yml` files by name) or a file. A file called like a built-in world is
-/// reached as `./NAME`. `barn:FILE#N` and `barn:FILE#A..=B` are worlds of the BARN benchmark (see
-/// [`barn`]).
+/// The worlds `text` names, in order: a built-in name, `random:SEED`, `random:A..=B`, the same
+/// with `random2:`, a folder (its `.toml`, `.yaml` and `.yml` files by name) or a file. A file
+/// called like a built-in world is reached as `./NAME`. `barn:FILE#N` and `barn:FILE#A..=B` are
+/// worlds of the BARN benchmark (see [`barn`]).
 ///
 /// # Errors
 /// When `text` names nothing known, a range is empty or too long, or a folder holds no world.
 pub fn parse_worlds(text: &str) -> Result<Vec<WorldSource>, BadInput> {
-    if let Some(seeds) = text.strip_prefix("random:") {
-        return random_sources(text, seeds);
+    if let Some(sources) = random_sources(text) {
+        return sources;
     }
     if let Some(rest) = text.strip_prefix("barn:") {
         let named = |error| BadInput::new(format!("world \"{text}\": {error}"));
@@ -82,40 +87,44 @@ pub fn parse_worlds(text: &str) -> Result<Vec<WorldSource>, BadInput> {
     }
     let hint = suggestion(text, &names);
     Err(BadInput::new(format!(
-        "unknown world \"{text}\"{hint} (a file, a folder, random:SEED, random:A..=B, barn:FILE#N, or one of: {})",
+        "unknown world \"{text}\"{hint} (a file, a folder, random:SEED, random:A..=B, random2:SEED, barn:FILE#N, or one of: {})",
         names.join(", ")
     )))
 }
 
-fn random_sources(text: &str, seeds: &str) -> Result<Vec<WorldSource>, BadInput> {
+/// The worlds of a generator with seeds; `None` if the text names none.
+fn random_sources(text: &str) -> Option<Result<Vec<WorldSource>, BadInput>> {
+    type Make = fn(u64) -> WorldSource;
+    let generators: [(&str, Make); 2] = [
+        ("random", WorldSource::Random),
+        ("random2", WorldSource::Random2),
+    ];
+    let (name, seeds) = text.split_once(':')?;
+    let (name, make) = generators.into_iter().find(|(known, _)| *known == name)?;
+    let wrong = |what: String| BadInput::new(format!("world \"{text}\": {what}"));
+    let range = seed_range(name, seeds).map_err(wrong);
+    Some(range.map(|range| range.map(make).collect()))
+}
+
+/// Parses `SEED` or `A..=B` after the name of a generator; errors are sentences.
+fn seed_range(generator: &str, seeds: &str) -> Result<RangeInclusive<u64>, String> {
     let number = |digits: &str| {
         let plain = !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit());
-        let seed = if plain {
-            digits.parse::<u64>().ok()
-        } else {
-            None
-        };
+        let seed = if plain { digits.parse().ok() } else { None };
         seed.ok_or_else(|| {
-            BadInput::new(format!(
-                "world \"{text}\": \"{digits}\" is not a seed (random:SEED or random:A..=B, whole numbers)"
-            ))
+            let forms = format!("{generator}:SEED or {generator}:A..=B, whole numbers");
+            format!("\"{digits}\" is not a seed ({forms})")
         })
     };
-    let Some((first, last)) = seeds.split_once("..=") else {
-        return Ok(vec![WorldSource::Random(number(seeds)?)]);
-    };
-    let (first, last) = (number(first)?, number(last)?);
+    let (first, last) = seeds.split_once("..=").unwrap_or((seeds, seeds));
+    let (first, last): (u64, u64) = (number(first)?, number(last)?);
     if first > last {
-        return Err(BadInput::new(format!(
-            "world \"{text}\": the range is empty"
-        )));
+        return Err("the range is empty".to_owned());
     }
     if last - first >= MAX_RANGE {
-        return Err(BadInput::new(format!(
-            "world \"{text}\": a range may name at most {MAX_RANGE} rooms"
-        )));
+        return Err(format!("a range may name at most {MAX_RANGE} worlds"));
     }
-    Ok((first..=last).map(WorldSource::Random).collect())
+    Ok(first..=last)
 }
 
 fn folder_sources(folder: &Path) -> Result<Vec<WorldSource>, BadInput> {
@@ -194,6 +203,17 @@ mod tests {
     }
 
     #[test]
+    fn both_generators_take_a_seed_or_a_range() {
+        let one = parse_worlds("random2:7").unwrap();
+        assert_eq!(one, [WorldSource::Random2(7)]);
+        assert_eq!(one[0].load().unwrap().name(), one[0].to_string());
+        let range = parse_worlds("random2:5..=7").unwrap();
+        assert_eq!(range, [5, 6, 7].map(WorldSource::Random2));
+        let range = parse_worlds("random:5..=7").unwrap();
+        assert_eq!(range, [5, 6, 7].map(WorldSource::Random));
+    }
+
+    #[test]
     fn invalid_names_give_a_specific_error() {
         let folder = tempfile::tempdir().unwrap();
         for (text, words) in [
@@ -209,6 +229,13 @@ mod tests {
             ("random:18446744073709551616", "is not a seed"),
             ("random:5..=4", "empty"),
             ("random:0..=1000000", "at most 1000000"),
+            ("random2:", "\"\" is not a seed (random2:SEED or"),
+            (
+                "random2:5..=4",
+                "world \"random2:5..=4\": the range is empty",
+            ),
+            ("random2:0..=1000000", "at most 1000000"),
+            ("random3:1", "unknown world"),
             (folder.path().to_str().unwrap(), "holds no"),
         ] {
             let error = parse_worlds(text).unwrap_err().to_string();
