@@ -17,7 +17,7 @@ use std::str::FromStr;
 /// Flags of the `capture` command.
 #[derive(Debug, Clone, Args)]
 pub struct CaptureArgs {
-    /// World, named as for `run`: a FILE, random:SEED, or a built-in name
+    /// World, named as for `run`: a FILE, random:SEED, random2:SEED, or a built-in name
     #[arg(long, value_name = "WORLD", default_value = "paper")]
     world: String,
     /// Position of the robot, meters, and bearing of its ring, degrees [default: the world's start;

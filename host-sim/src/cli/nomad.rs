@@ -58,7 +58,8 @@ struct ServeArgs {
     /// Nclient)
     #[arg(long, value_name = "NAME", default_value = "direct", value_enum)]
     protocol: Spoken,
-    /// World: a .toml or ROS .yaml FILE, random:SEED, or a built-in name (see `host-sim worlds`)
+    /// World: a .toml or ROS .yaml FILE, random:SEED, random2:SEED, or a built-in name (see
+    /// `host-sim worlds`)
     #[arg(long, value_name = "WORLD", default_value = "paper")]
     world: String,
     /// Sonar model

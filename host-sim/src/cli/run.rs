@@ -29,7 +29,8 @@ const CHUNK: usize = 256;
 /// Flags of the `run` command; all are optional.
 #[derive(Debug, Clone, Args)]
 pub struct RunArgs {
-    /// World: a .toml or ROS .yaml FILE, a FOLDER of them, random:SEED, random:A..=B, barn:FILE#N,
+    /// World: a .toml or ROS .yaml FILE, a FOLDER of them, random:SEED, random:A..=B (rooms with
+    /// boxes), random2:SEED, random2:A..=B (corridors, mazes and ten other kinds), barn:FILE#N,
     /// barn:FILE#A..=B (BARN benchmark), or a built-in name (see `host-sim worlds`); may be given
     /// several times
     #[arg(long = "world", value_name = "WORLD", default_value = "paper")]

@@ -37,7 +37,8 @@ The address with its token permits to steer, one page at a time; others watch. T
 #[derive(Debug, Clone, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct ViewArgs {
-    /// World: a .toml or ROS .yaml FILE, random:SEED, or a built-in name (see `host-sim worlds`)
+    /// World: a .toml or ROS .yaml FILE, random:SEED, random2:SEED, or a built-in name (see
+    /// `host-sim worlds`)
     #[arg(long, value_name = "WORLD", default_value = "paper")]
     world: String,
     /// Show a log instead of a simulation: a file that `run`, `view` or `bridge` wrote with --log
