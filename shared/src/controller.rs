@@ -71,6 +71,8 @@ pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usiz
     /// The session expects rings without any echo.
     open_space: bool,
     detector: Detector<SENSORS>,
+    /// Transducers, or sectors of a virtual turret, of which something is known at present.
+    visible: Mask,
     shield: Shield<SENSORS>,
     memory: Memory<SENSORS, SAMPLES>,
     situations: Som<NEURONS, SENSORS>,
@@ -120,6 +122,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             silent_rings: 0,
             open_space: false,
             detector: Detector::new(),
+            visible: Mask::ALL,
             shield: Shield::new(),
             memory: Memory::new(),
             situations: Som::zeroed(grid),
@@ -206,10 +209,16 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.open_space = expected;
     }
 
-    /// Transducers in use: those configured, less those that the fault detector has disabled.
+    /// Transducers in use: those configured, less those that the fault detector has disabled or
+    /// that a virtual turret knows nothing of.
     #[must_use]
     pub fn enabled(&self, config: &Config<SENSORS>) -> Mask {
-        self.detector.enabled(config)
+        self.detector.enabled(config).and(self.visible)
+    }
+
+    /// Limits what is used of the ring to these, until the next call.
+    pub(crate) const fn set_visible(&mut self, visible: Mask) {
+        self.visible = visible;
     }
 
     /// The fault detector.

@@ -37,7 +37,9 @@
 //! | [`goal`] | behaviors as goal situations |
 //! | [`planner`] | the paper's four steps, with every intermediate value |
 //! | [`faults`] | detects faulty transducers |
+//! | [`points`] | points of echoes in the odometry frame, and a ring of sectors read off them |
 //! | [`shield`] | limits how far and how fast, by the echoes of the ring |
+//! | [`turret`] | any body's sensors as a ring that keeps its bearing in the world |
 //! | [`config`] | every open choice of the method as a named value; the presets |
 //! | [`controller`] | modes and events: the robot as a function |
 //! | [`wire`] | messages and frames of the link to the base |
@@ -100,11 +102,13 @@ pub mod memory;
 pub mod node;
 pub mod parameters;
 pub mod planner;
+pub mod points;
 pub mod robot;
 pub mod scan;
 pub mod shield;
 #[cfg(feature = "store")]
 pub mod store;
+pub mod turret;
 pub mod units;
 #[cfg(feature = "link")]
 pub mod wire;

@@ -261,7 +261,7 @@ impl Displacement {
     }
 
     /// Squared length; at most 2³¹.
-    const fn squared_mm2(self) -> u32 {
+    pub(crate) const fn squared_mm2(self) -> u32 {
         let (x, y) = (self.dx_mm as i32, self.dy_mm as i32);
         (x.wrapping_mul(x) as u32).wrapping_add(y.wrapping_mul(y) as u32)
     }

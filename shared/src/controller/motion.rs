@@ -153,6 +153,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
+    /// Ends the motion under way before it began: nothing is learned from it.
+    pub(crate) fn abandon_motion(&mut self, at: Millis) {
+        self.pending = None;
+        self.moving = false;
+        self.acting_neuron = None;
+        self.await_ring(at);
+    }
+
     /// From now on every transducer has to be heard again.
     pub(super) fn await_ring(&mut self, at: Millis) {
         self.scan.renew();

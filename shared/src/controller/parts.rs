@@ -10,7 +10,7 @@
 use super::tracked::Tracked;
 use super::{Mode, State};
 use crate::faults::Detector;
-use crate::fixed::Weight32;
+use crate::fixed::{Mask, Weight32};
 use crate::memory::Sample;
 use crate::planner::SearchCache;
 use crate::som::Som;
@@ -160,6 +160,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.heard_any = false;
         self.silent_rings = 0;
         self.detector = Detector::new();
+        self.visible = Mask::ALL;
         self.shield.forget();
         self.memory.clear();
         self.situations.clear();

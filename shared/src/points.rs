@@ -1,0 +1,359 @@
+//! Points where something returned an echo: a short memory of the surroundings, for robots whose
+//! sensors do not look everywhere at once.
+//!
+//! Each echo leaves a point on its beam's axis, in the odometry's frame. A ring of sectors, evenly
+//! spaced and with the bearings it had at the start, is read off the points however few sensors
+//! there are and wherever they look. A point goes when it was seen too long ago, by distance
+//! traveled, or when newer echoes from beyond it contradict it.
+//!
+//! Nothing here depends on the maps, the planner or the time.
+
+use crate::fixed::Mask;
+use crate::units::{Bearing, Direction, Displacement, Range};
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// How long points last and what they tell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PointLimits {
+    /// Distance from the robot's center that a sector's range is counted from, millimeters.
+    pub face_radius_mm: u16,
+    /// Points seen longer ago than this travel are dropped, millimeters; below 65 536.
+    pub keep_mm: u16,
+    /// Contradictions after which a point is dropped.
+    pub contradictions: u8,
+    /// A beam contradicts a point if it hears something farther than that by this, millimeters.
+    pub beyond_mm: u16,
+    /// A point counts as seen from here if it was seen within this distance, millimeters.
+    pub here_mm: u16,
+    /// A point nearer to the body than this tells its sector's range wherever it was seen from,
+    /// millimeters.
+    pub near_mm: u16,
+}
+
+impl PointLimits {
+    /// For a body of the Nomad's size, in rooms.
+    pub const NOMAD: Self = Self {
+        face_radius_mm: 231,
+        keep_mm: 6_000,
+        contradictions: 4,
+        beyond_mm: 300,
+        here_mm: 300,
+        near_mm: 1_000,
+    };
+}
+
+/// A reading of one sensor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Beam {
+    /// Position of the sensor on the body: x ahead, y to the left.
+    pub mount: Displacement,
+    /// Where the sensor looks, relative to the body's front.
+    pub axis: Bearing,
+    /// Range of its echo, or how far it sees free space.
+    pub range: Range,
+    /// Something returned an echo at that range.
+    pub is_echo: bool,
+}
+
+/// A place where something returned an echo. All vectors begin at the robot's center and have the
+/// frame of the start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Point {
+    at: Displacement,
+    /// Where the robot stood when it heard the echo.
+    seen_from: Displacement,
+    /// Travel at the echo, millimeters; wraps.
+    traveled_mm: u16,
+    contradictions: u8,
+    /// Something is there; otherwise this is how far a sensor saw free space.
+    is_echo: bool,
+}
+
+/// The latest points, at most `POINTS`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PointMemory<const POINTS: usize> {
+    points: Vec<Point, POINTS>,
+    /// Bearing of the body's front in the frame of the start.
+    heading: Bearing,
+    /// Travel since the start, millimeters; wraps.
+    traveled_mm: u16,
+}
+
+impl<const POINTS: usize> Default for PointMemory<POINTS> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const POINTS: usize> PointMemory<POINTS> {
+    /// No points yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            points: Vec::new(),
+            heading: Bearing::ZERO,
+            traveled_mm: 0,
+        }
+    }
+
+    /// Forgets all points: the robot may have been carried elsewhere.
+    pub fn forget(&mut self) {
+        self.points.clear();
+    }
+
+    /// Number of points.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Whether there are no points.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+
+    /// Bearing of the body's front in the frame of the start.
+    #[must_use]
+    pub const fn heading(&self) -> Bearing {
+        self.heading
+    }
+
+    /// The robot has moved, in the body's frame, and then turned: points keep their place in the
+    /// world.
+    pub fn moved(&mut self, limits: &PointLimits, moved: Displacement, turned: Bearing) {
+        if moved != Displacement::ZERO {
+            let moved = moved.rotated(self.heading.direction());
+            self.traveled_mm = self.traveled_mm.wrapping_add(moved.length_mm());
+            for point in &mut self.points {
+                point.at = point.at.minus(moved);
+                point.seen_from = point.seen_from.minus(moved);
+            }
+            let now_mm = self.traveled_mm;
+            self.points
+                .retain(|point| now_mm.wrapping_sub(point.traveled_mm) <= limits.keep_mm);
+        }
+        self.heading = self.heading.plus(turned);
+    }
+
+    /// Takes a reading: drops the points that it contradicts often enough and keeps its own. A
+    /// sensor that hears nothing tells nothing: an echo may have gone astray on a smooth wall.
+    pub fn hear(&mut self, limits: &PointLimits, beam: &Beam) {
+        let axis = self.heading.plus(beam.axis).direction();
+        let face = beam.mount.rotated(self.heading.direction());
+        let range_mm = i32::from(beam.range.as_mm());
+        let beyond_mm = if beam.is_echo {
+            limits.beyond_mm.into()
+        } else {
+            0
+        };
+        let free = FreeBeam {
+            face,
+            axis,
+            length_mm: range_mm - beyond_mm,
+        };
+        for point in &mut self.points {
+            if free.passes(point.at) {
+                point.contradictions = point.contradictions.saturating_add(1);
+            }
+        }
+        self.points
+            .retain(|point| point.contradictions < limits.contradictions);
+        self.make_room();
+        let (x_mm, y_mm) = axis.times(range_mm);
+        // There is room.
+        let _ = self.points.push(Point {
+            at: face.plus(Displacement::saturating(x_mm, y_mm)),
+            seen_from: Displacement::ZERO,
+            traveled_mm: self.traveled_mm,
+            contradictions: 0,
+            is_echo: beam.is_echo,
+        });
+    }
+
+    /// Drops the point of the longest ago if the memory is full.
+    fn make_room(&mut self) {
+        if !self.points.is_full() {
+            return;
+        }
+        let now_mm = self.traveled_mm;
+        let age_mm = |point: &Point| now_mm.wrapping_sub(point.traveled_mm);
+        let ages = self.points.iter().map(age_mm).enumerate();
+        // The first of the oldest, which is the one heard first: points stand in the order heard.
+        let oldest = ages.rev().max_by_key(|(_, age)| *age);
+        if let Some((index, _)) = oldest {
+            self.points.remove(index);
+        }
+    }
+
+    /// Ranges of a ring of evenly spaced sectors, with the bearings of the frame of the start, and
+    /// the sectors that are known. The range of an unknown sector is `None`.
+    ///
+    /// A sector's range is that of its nearest point, within 12.5° of its axis in a ring of 16. But
+    /// a point lies on its beam's axis, and what returned the echo may lie anywhere in the beam's
+    /// cone. So if a beam looks along the axis from here, the others only count where they are
+    /// nearer by more than [`beyond_mm`](PointLimits::beyond_mm).
+    #[must_use]
+    pub fn ring<const SECTORS: usize>(
+        &self,
+        limits: &PointLimits,
+    ) -> ([Option<Range>; SECTORS], Mask) {
+        let mut nearest = [None; SECTORS];
+        let mut along_axis = [None; SECTORS];
+        for point in self.points.iter().filter(|point| point.tells(limits)) {
+            let square = point.at.squared_mm2();
+            let [own, other] = sectors_at::<SECTORS>(point.at.bearing());
+            keep_least(&mut nearest, own.sector, square);
+            keep_least(&mut nearest, other.sector, square);
+            if own.is_central && point.seen_from.is_shorter_than(AT_THIS_PLACE_MM) {
+                keep_least(&mut along_axis, own.sector, square);
+            }
+        }
+        let mut known = Mask::NONE;
+        let mut ring = [None; SECTORS];
+        let sectors = ring.iter_mut().zip(nearest).zip(along_axis).enumerate();
+        for (sector, ((range, nearest), along_axis)) in sectors {
+            let from_face = |square| {
+                let mm = crate::fixed::isqrt_u32(square) as u16;
+                mm.saturating_sub(limits.face_radius_mm)
+            };
+            let Some(nearest) = nearest.map(from_face) else {
+                continue;
+            };
+            let along_axis = along_axis.map(from_face);
+            let fitting = along_axis.filter(|mm| mm.saturating_sub(nearest) <= limits.beyond_mm);
+            *range = Some(Range::from_mm(fitting.unwrap_or(nearest)));
+            known = known.with(sector);
+        }
+        (ring, known)
+    }
+
+    /// How far a disc of `radius_mm` may go from here along `way`, in the frame of the start,
+    /// before it touches a point; at most the way's length. Millimeters.
+    #[must_use]
+    pub fn free_mm(&self, way: Displacement, radius_mm: u16) -> u16 {
+        let length = way.length_mm();
+        let direction = unit_vector(way, length);
+        let things = self.points.iter().filter(|point| point.is_echo);
+        let free = things.fold(i32::from(length), |free, point| {
+            until_contact(direction, point.at, i32::from(radius_mm), free)
+        });
+        free as u16
+    }
+}
+
+impl Point {
+    /// Whether it tells its sector's range: it was seen from here, or is near and was.
+    fn tells(&self, limits: &PointLimits) -> bool {
+        let near_mm = u32::from(limits.near_mm.saturating_add(limits.face_radius_mm));
+        self.seen_from
+            .is_shorter_than(u32::from(limits.here_mm) + 1)
+            || (self.is_echo
+                && self.at.is_shorter_than(near_mm)
+                && self.at.minus(self.seen_from).is_shorter_than(near_mm))
+    }
+}
+
+/// The part of a beam that is known to be free.
+struct FreeBeam {
+    face: Displacement,
+    axis: Direction,
+    length_mm: i32,
+}
+
+impl FreeBeam {
+    /// Whether it passes a point, within 7° of its axis.
+    fn passes(&self, point: Displacement) -> bool {
+        const TAN_7_Q14: i32 = 2_012;
+        let offset = point.minus(self.face);
+        let (x, y) = (i32::from(offset.dx_mm), i32::from(offset.dy_mm));
+        let along = self.axis.along(x, y);
+        let aside = self.axis.along(y, x.wrapping_neg()).wrapping_abs();
+        along > 0 && along < self.length_mm && aside < (along.wrapping_mul(TAN_7_Q14) >> 14)
+    }
+}
+
+/// A point this near to where its echo was heard was heard at this place, millimeters.
+const AT_THIS_PLACE_MM: u32 = 20;
+
+/// Replaces a sector's squared distance by a smaller one.
+fn keep_least(squares: &mut [Option<u32>], sector: Option<usize>, square: u32) {
+    if let Some(least) = sector.and_then(|sector| squares.get_mut(sector))
+        && least.is_none_or(|least| square < least)
+    {
+        *least = Some(square);
+    }
+}
+
+/// A sector that a bearing belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct SectorView {
+    sector: Option<usize>,
+    /// The bearing is within a quarter of a sector of the axis.
+    is_central: bool,
+}
+
+/// The sectors that a bearing belongs to: the nearest, and the next if it is within 1/18 of a
+/// sector of their border: 12.5° from the axis in a ring of 16.
+fn sectors_at<const SECTORS: usize>(bearing: Bearing) -> [SectorView; 2] {
+    const OVERLAP: u16 = (65_536_u32 / 18) as u16;
+    const QUARTER: u16 = 1 << 14;
+    let ring = SECTORS as u32;
+    // Sectors in units of 1/65 536, from the border before the first one.
+    let position = u32::from(bearing.as_turns())
+        .wrapping_mul(ring)
+        .wrapping_add(1 << 15);
+    let within = position as u16;
+    let sector = |steps: u32| {
+        let index = (position >> 16).wrapping_add(steps).checked_rem(ring);
+        index.map(|index| index as usize)
+    };
+    let other = if within < OVERLAP {
+        sector(ring.wrapping_sub(1))
+    } else if within >= u16::MAX - OVERLAP {
+        sector(1)
+    } else {
+        None
+    };
+    let own = SectorView {
+        sector: sector(0),
+        is_central: (QUARTER..=3 * QUARTER).contains(&within),
+    };
+    let other = SectorView {
+        sector: other,
+        is_central: false,
+    };
+    [own, other]
+}
+
+/// The direction of a displacement of this length.
+fn unit_vector(way: Displacement, length_mm: u16) -> Direction {
+    let part = |mm: i16| {
+        let scaled = i32::from(mm) << 14;
+        crate::units::div_round(scaled, i32::from(length_mm).max(1)) as i16
+    };
+    Direction {
+        x_q14: part(way.dx_mm),
+        y_q14: part(way.dy_mm),
+    }
+}
+
+/// Distance along a direction until a disc of this radius touches a point; at most `limit`. A point
+/// that is touched already, ahead of the center, gives 0.
+fn until_contact(direction: Direction, point: Displacement, radius_mm: i32, limit: i32) -> i32 {
+    let (x, y) = (i32::from(point.dx_mm), i32::from(point.dy_mm));
+    let along = direction.along(x, y);
+    let aside = direction.along(y, x.wrapping_neg()).wrapping_abs();
+    if along <= 0 || aside >= radius_mm || along.wrapping_sub(limit) >= radius_mm {
+        return limit;
+    }
+    let squared = radius_mm
+        .wrapping_mul(radius_mm)
+        .wrapping_sub(aside.wrapping_mul(aside));
+    let half_chord = crate::fixed::isqrt_u32(squared.unsigned_abs()) as i32;
+    along.wrapping_sub(half_chord).max(0).min(limit)
+}
+
+#[cfg(test)]
+mod tests;

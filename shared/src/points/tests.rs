@@ -1,0 +1,209 @@
+use super::*;
+use crate::units::Bearing;
+
+const LIMITS: PointLimits = PointLimits {
+    face_radius_mm: 230,
+    ..PointLimits::NOMAD
+};
+
+fn degrees(angle: f64) -> Bearing {
+    Bearing::from_turns((angle / 360.0 * 65_536.0).round() as i32 as u16)
+}
+
+fn way(dx_mm: i16, dy_mm: i16) -> Displacement {
+    Displacement { dx_mm, dy_mm }
+}
+
+/// A beam from the face of a round body.
+fn beam(angle: f64, range_mm: u16) -> Beam {
+    let axis = degrees(angle);
+    Beam {
+        mount: Displacement::along(axis, 230),
+        axis,
+        range: Range::from_mm(range_mm),
+        is_echo: true,
+    }
+}
+
+fn heard(beams: &[(f64, u16)]) -> PointMemory<64> {
+    let mut memory = PointMemory::new();
+    for (angle, range_mm) in beams {
+        memory.hear(&LIMITS, &beam(*angle, *range_mm));
+    }
+    memory
+}
+
+fn ranges(memory: &PointMemory<64>) -> [Option<u16>; 16] {
+    memory
+        .ring::<16>(&LIMITS)
+        .0
+        .map(|range| range.map(Range::as_mm))
+}
+
+/// Range in a square room of half side 2 m around the center, from a face of 230 mm.
+fn square_room_mm(angle: f64) -> f64 {
+    let (sin, cos) = (libm::sin(angle.to_radians()), libm::cos(angle.to_radians()));
+    2_000.0 / sin.abs().max(cos.abs()) - 230.0
+}
+
+#[test]
+fn one_beam_that_turns_around_fills_the_ring() {
+    let mut memory = PointMemory::<256>::new();
+    let step = 7.5;
+    for turn in 0..48 {
+        let range_mm = square_room_mm(step * f64::from(turn)) as u16;
+        memory.hear(&LIMITS, &beam(0.0, range_mm));
+        memory.moved(&LIMITS, Displacement::ZERO, degrees(step));
+    }
+    let (ring, known) = memory.ring::<16>(&LIMITS);
+    assert!(known.covers(16));
+    for (sector, range) in ring.into_iter().enumerate() {
+        // A beam looked along the axis; in the corners another is nearer by more than 300 mm.
+        let is_corner = sector % 4 == 2;
+        let beside = if is_corner { 7.5 } else { 0.0 };
+        let exact = square_room_mm(22.5 * sector as f64 + beside);
+        let found = f64::from(range.expect("known").as_mm());
+        assert!((found - exact).abs() < 8.0, "{sector}: {found} for {exact}");
+    }
+}
+
+#[test]
+fn a_point_keeps_its_place_as_the_robot_turns_and_moves() {
+    let mut memory = heard(&[(0.0, 770)]);
+    memory.moved(&LIMITS, Displacement::ZERO, degrees(90.0));
+    assert_eq!(ranges(&memory)[0], Some(770));
+    // Half a meter to the left, which is ahead now: the point lies 1 m along x and 0.5 m to the
+    // right.
+    memory.moved(&LIMITS, way(500, 0), Bearing::ZERO);
+    let found = ranges(&memory);
+    let expected = [(15, Some(888)), (14, None), (0, None)];
+    for (sector, range) in expected {
+        assert_eq!(found[sector], range, "{sector}");
+    }
+}
+
+#[test]
+fn far_points_tell_only_what_is_seen_from_here() {
+    let mut memory = heard(&[(0.0, 3_000), (90.0, 500)]);
+    memory.moved(&LIMITS, way(0, -300), Bearing::ZERO);
+    assert_eq!(
+        (ranges(&memory)[0], ranges(&memory)[4]),
+        (Some(3_013), Some(800))
+    );
+    memory.moved(&LIMITS, way(0, -10), Bearing::ZERO);
+    assert_eq!((ranges(&memory)[0], ranges(&memory)[4]), (None, Some(810)));
+    memory.moved(&LIMITS, way(0, -200), Bearing::ZERO);
+    assert_eq!((ranges(&memory)[4], memory.len()), (None, 2));
+}
+
+#[test]
+fn points_last_for_six_meters_of_travel() {
+    let mut memory = heard(&[(180.0, 500)]);
+    for _ in 0..12 {
+        memory.moved(&LIMITS, way(250, 0), Bearing::ZERO);
+        memory.moved(&LIMITS, way(-250, 0), Bearing::ZERO);
+    }
+    assert_eq!(ranges(&memory)[8], Some(500));
+    memory.moved(&LIMITS, way(1, 0), Bearing::ZERO);
+    assert!(memory.is_empty());
+}
+
+#[test]
+fn a_point_goes_when_four_beams_hear_something_beyond_it() {
+    let beams = |angle, range_mm, times| {
+        let mut memory = heard(&[(0.0, 1_000)]);
+        for _ in 0..times {
+            memory.hear(&LIMITS, &beam(angle, range_mm));
+        }
+        ranges(&memory)[0].filter(|mm| *mm < 1_200)
+    };
+    assert_eq!(beams(0.0, 2_000, 3), Some(1_000));
+    assert_eq!(beams(0.0, 2_000, 4), None);
+    assert_eq!(beams(5.0, 2_000, 4), None);
+    assert_eq!(beams(10.0, 2_000, 9), Some(1_000), "beside the beam");
+    assert_eq!(beams(0.0, 1_290, 9), Some(1_000), "not clearly beyond");
+    assert_eq!(beams(180.0, 2_000, 9), Some(1_000), "the other way");
+}
+
+#[test]
+fn a_full_memory_drops_what_was_heard_first() {
+    let mut memory = PointMemory::<3>::new();
+    for (angle, range_mm) in [(0.0, 500), (90.0, 600), (180.0, 700), (270.0, 800)] {
+        memory.hear(&LIMITS, &beam(angle, range_mm));
+    }
+    let (ring, known) = memory.ring::<4>(&LIMITS);
+    let mm = ring.map(|range| range.map(Range::as_mm));
+    assert_eq!(mm, [None, Some(600), Some(700), Some(800)]);
+    assert_eq!(known, Mask::from_bits(0b1110));
+}
+
+#[test]
+fn a_point_near_a_border_belongs_to_two_sectors() {
+    let of = |angle| sectors_at::<16>(degrees(angle)).map(|view| view.sector);
+    assert_eq!(of(0.0), [Some(0), None]);
+    assert_eq!(of(9.9), [Some(0), None]);
+    assert_eq!(of(10.1), [Some(0), Some(1)]);
+    assert_eq!(of(12.4), [Some(1), Some(0)]);
+    assert_eq!(of(12.6), [Some(1), None]);
+    assert_eq!(of(-10.1), [Some(0), Some(15)]);
+    assert_eq!(of(-12.4), [Some(15), Some(0)]);
+    assert_eq!(of(349.9), [Some(0), Some(15)]);
+    assert_eq!(
+        sectors_at::<0>(Bearing::ZERO).map(|view| view.sector),
+        [None, None]
+    );
+    let is_central = |angle| sectors_at::<16>(degrees(angle))[0].is_central;
+    assert_eq!(
+        [-6.0, -5.0, 0.0, 5.0, 6.0].map(is_central),
+        [false, true, true, true, false]
+    );
+}
+
+#[test]
+fn the_way_ends_where_the_disc_touches_a_point() {
+    let memory = heard(&[(0.0, 1_770)]);
+    let free = |x, y, radius_mm| memory.free_mm(way(x, y), radius_mm);
+    assert_eq!(free(3_000, 0, 300), 1_700);
+    assert_eq!(free(1_000, 0, 300), 1_000, "the point is farther");
+    assert_eq!(free(-3_000, 0, 300), 3_000, "it is behind");
+    assert_eq!(free(0, 0, 300), 0);
+    // Past the point at 0.6 of the radius: the chord is 0.8 of it.
+    let memory = heard(&[(90.0, 0)]);
+    assert_eq!(memory.free_mm(way(1_000, 0), 229), 1_000);
+    let mut memory = memory;
+    memory.moved(&LIMITS, way(-1_000, 50), Bearing::ZERO);
+    assert_eq!(memory.free_mm(way(2_000, 0), 300), 760);
+}
+
+#[test]
+fn free_space_is_no_thing_and_contradicts_what_lies_before_its_end() {
+    let free = Beam {
+        is_echo: false,
+        ..beam(0.0, 1_000)
+    };
+    let mut memory = heard(&[(0.0, 900)]);
+    for _ in 0..4 {
+        memory.hear(&LIMITS, &free);
+    }
+    assert_eq!(ranges(&memory)[0], Some(1_000));
+    assert_eq!(memory.free_mm(way(2_000, 0), 300), 2_000);
+    memory.moved(&LIMITS, way(310, 0), Bearing::ZERO);
+    assert_eq!(ranges(&memory)[0], None, "seen from elsewhere");
+}
+
+#[test]
+fn extreme_ranges_and_moves_do_no_harm() {
+    let mut memory = PointMemory::<4>::new();
+    for range_mm in [0, 65_534, 32_767, 1] {
+        memory.hear(&LIMITS, &beam(45.0, range_mm));
+    }
+    memory.moved(&LIMITS, way(i16::MIN, i16::MIN), degrees(180.0));
+    memory.moved(&LIMITS, way(i16::MAX, i16::MAX), degrees(180.0));
+    let _ = memory.ring::<16>(&LIMITS);
+    assert!(memory.free_mm(way(i16::MIN, i16::MIN), u16::MAX) <= 46_341);
+    memory.forget();
+    assert_eq!(
+        (memory.len(), memory.ring::<16>(&LIMITS).1),
+        (0, Mask::NONE)
+    );
+}

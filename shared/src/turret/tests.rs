@@ -1,0 +1,246 @@
+use super::*;
+use crate::controller::{Command, NomadState};
+use crate::som::Grid;
+use crate::units::Direction;
+
+const AHEAD: usize = 0;
+
+fn config() -> Config<16> {
+    Config {
+        shield: None,
+        fault_detection: false,
+        ..Config::recommended()
+    }
+}
+
+/// A ring of 16 sensors on a round body whose front has been turned by `turn` since the start.
+fn ring_body(guard_mm: Option<u16>) -> BodySpec<16> {
+    let mounts = core::array::from_fn(|sensor| {
+        let axis = Bearing::of_place(sensor, 16);
+        Mount {
+            position: Displacement::along(axis, 231),
+            axis,
+        }
+    });
+    BodySpec {
+        mounts,
+        enabled: Mask::ALL,
+        points: PointLimits::NOMAD,
+        silence_mm: None,
+        guard_mm,
+    }
+}
+
+struct Rig {
+    config: Config<16>,
+    body: BodySpec<16>,
+    turret: VirtualTurret<16, 256>,
+    state: NomadState,
+    ms: u32,
+}
+
+impl Rig {
+    fn new(body: BodySpec<16>) -> Self {
+        Self {
+            config: config(),
+            body,
+            turret: VirtualTurret::new(),
+            state: NomadState::new(Grid::rectangle(4, 4)),
+            ms: 0,
+        }
+    }
+
+    fn handle(&mut self, event: Event<16>) -> Outputs<16> {
+        self.ms += 1;
+        let at = Millis::from_ms(self.ms);
+        let Self {
+            config,
+            body,
+            turret,
+            state,
+            ..
+        } = self;
+        handle(config, body, turret, state, at, event)
+    }
+
+    fn command(&mut self, command: Command<16>) {
+        assert_eq!(self.handle(Event::Command(command)).refusal, None);
+    }
+
+    /// All sensors report; returns the last motion.
+    fn hear(&mut self, ranges_mm: [Option<u16>; 16]) -> Option<Motion> {
+        let mut motion = None;
+        for (sensor, range) in (0..).zip(ranges_mm) {
+            let range = range.map(Range::from_mm);
+            motion = self.handle(Event::Echo { sensor, range }).motion.or(motion);
+        }
+        motion
+    }
+
+    fn report(&mut self, motion: Motion, moved: Displacement, turned: i32, progress: Progress) {
+        let turned = Bearing::from_turns((turned * 65_536 / 360) as u16);
+        let _ = self.handle(motion.report(moved, turned, progress));
+    }
+
+    /// Explores with a few moves in a wide room and learns.
+    fn learn(&mut self) {
+        self.command(Command::Explore { moves: 20, seed: 3 });
+        let mut ranges = [Some(1_500); 16];
+        for step in 0.. {
+            let Some(motion) = self.hear(ranges) else {
+                break;
+            };
+            ranges.rotate_left(1);
+            ranges[step % 16] = Some(700 + 50 * step as u16);
+            self.report(motion, motion.displacement, 0, Progress::Ended);
+        }
+        self.command(Command::Learn);
+        for _ in 0..10_000 {
+            if self.handle(Event::Tick).mode_changed {
+                break;
+            }
+        }
+        assert!(self.state.has_learned());
+    }
+}
+
+/// The same room heard by a body that has turned: sensor 4 takes the place of sensor 0.
+fn turned_by_quarter(ranges: [Option<u16>; 16]) -> [Option<u16>; 16] {
+    core::array::from_fn(|sensor| ranges[(sensor + 4) % 16])
+}
+
+#[test]
+fn a_turned_body_decides_the_same_and_gets_the_motion_in_its_own_frame() {
+    let room = core::array::from_fn(|sensor| Some(800 + 100 * sensor as u16));
+    let (mut straight, mut turned) = (Rig::new(ring_body(None)), Rig::new(ring_body(None)));
+    let still = Motion {
+        id: 0,
+        displacement: Displacement::ZERO,
+        speed_mm_s: 0,
+    };
+    turned.report(still, Displacement::ZERO, 90, Progress::Ended);
+    for rig in [&mut straight, &mut turned] {
+        rig.command(Command::Explore { moves: 9, seed: 5 });
+    }
+    let in_world = straight.hear(room).expect("a random move").displacement;
+    let on_body = turned.hear(turned_by_quarter(room)).expect("a random move");
+    let right = Direction {
+        x_q14: 0,
+        y_q14: -(1 << 14),
+    };
+    let expected = in_world.rotated(right);
+    let error = on_body.displacement.minus(expected);
+    assert!(error.length_mm() <= 2, "{on_body:?} {expected:?}");
+    // What was carried out is remembered in the frame of the start.
+    turned.report(on_body, on_body.displacement, 0, Progress::Ended);
+    turned.hear(turned_by_quarter(room));
+    let kept = turned.state.memory().samples()[0].executed;
+    assert!(kept.minus(in_world).length_mm() <= 2, "{kept:?}");
+}
+
+#[test]
+fn what_nobody_has_seen_is_masked() {
+    let mut body = ring_body(None);
+    body.enabled = Mask::NONE.with(AHEAD).with(8);
+    let mut rig = Rig::new(body);
+    rig.command(Command::Explore { moves: 9, seed: 5 });
+    let motion = rig.hear([Some(900); 16]);
+    assert!(motion.is_some());
+    let known = Mask::NONE.with(AHEAD).with(8);
+    assert_eq!(rig.state.enabled(&rig.config), known);
+}
+
+#[test]
+fn a_sensor_that_says_nothing_tells_nothing_but_a_certain_one_does() {
+    let mut ranges = [Some(900); 16];
+    ranges[2] = None;
+    for (silence_mm, is_known) in [(None, false), (Some(3_000), true)] {
+        let mut body = ring_body(None);
+        body.silence_mm = silence_mm;
+        let mut rig = Rig::new(body);
+        rig.command(Command::Explore { moves: 9, seed: 5 });
+        rig.hear(ranges);
+        assert_eq!(rig.state.enabled(&rig.config).contains(2), is_known);
+        let found = rig.turret.ring()[2].map(Range::as_mm);
+        assert_eq!(found.map(|mm| mm / 10), silence_mm.map(|mm| mm / 10));
+    }
+}
+
+#[test]
+fn the_guard_ends_a_motion_short_of_any_point() {
+    let near = [Some(100); 16];
+    for (guard_mm, most_mm) in [(None, 250), (Some(50), 20)] {
+        let mut rig = Rig::new(ring_body(guard_mm));
+        rig.command(Command::Explore { moves: 9, seed: 5 });
+        let motion = rig.hear(near).expect("a random move");
+        let length = motion.displacement.length_mm();
+        assert!(length <= most_mm, "{guard_mm:?}: {length}");
+        assert_eq!(length > 20, guard_mm.is_none());
+    }
+}
+
+#[test]
+fn a_motion_under_way_is_shortened_by_what_shows_up() {
+    let mut rig = Rig::new(ring_body(Some(50)));
+    rig.config.exploration.shortest_mm = 200;
+    rig.command(Command::Explore { moves: 9, seed: 4 });
+    let motion = rig.hear([Some(2_000); 16]).expect("a random move");
+    let length = motion.displacement.length_mm();
+    assert!(length > 100);
+    let ahead = motion.displacement.bearing().plus(Bearing::of_place(1, 32));
+    let sensor = usize::from(ahead.as_turns() >> 12);
+    let sensor_byte = sensor as u8;
+    let echo = |mm| Event::Echo {
+        sensor: sensor_byte,
+        range: Some(Range::from_mm(mm)),
+    };
+    assert_eq!(rig.handle(echo(1_900)).motion, None);
+    let shorter = rig.handle(echo(120)).motion.expect("shortened");
+    assert_eq!(shorter.id, motion.id);
+    assert!(shorter.displacement.length_mm() < length - 3);
+}
+
+/// The robot is about to roll and sees something near where it thought the way was free.
+#[test]
+fn a_robot_that_seeks_decides_again_before_it_rolls_at_most_three_times() {
+    let mut rig = Rig::new(ring_body(None));
+    rig.learn();
+    let goal = crate::goal::Goal::avoiding(&rig.config);
+    rig.command(Command::Seek(goal));
+    let mut motion = rig.hear([Some(3_000); 16]).expect("a step");
+    let mut decisions = 0;
+    let mut mm = 1_100;
+    for _ in 0..5 {
+        // The body turns to its way, and the sensor ahead reports something new.
+        let bearing = motion.displacement.bearing().as_signed_turns();
+        let degrees = i32::from(bearing) * 360 / 65_536;
+        rig.report(motion, Displacement::ZERO, degrees, Progress::Steering);
+        let mut ranges = [Some(3_000); 16];
+        ranges[AHEAD] = Some(mm);
+        mm -= 150;
+        match rig.hear(ranges) {
+            Some(newer) => {
+                decisions += 1;
+                motion = newer;
+            }
+            None => break,
+        }
+    }
+    assert_eq!(decisions, 3);
+    assert!(rig.state.is_moving());
+}
+
+#[test]
+fn unknown_sensors_are_ignored_and_all_is_forgotten_on_request() {
+    let mut rig = Rig::new(ring_body(None));
+    let outputs = rig.handle(Event::Echo {
+        sensor: 99,
+        range: Some(Range::from_mm(500)),
+    });
+    assert_eq!(outputs, Outputs::NONE);
+    assert!(rig.turret.memory().is_empty());
+    rig.hear([Some(900); 16]);
+    assert_eq!(rig.turret.memory().len(), 16);
+    rig.turret.forget();
+    assert_eq!(rig.turret, VirtualTurret::new());
+}
