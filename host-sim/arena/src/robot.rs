@@ -72,7 +72,7 @@ impl Base {
         Self {
             limits,
             turret,
-            chassis: Chassis::new(pose),
+            chassis: Chassis::new(pose, limits.radius_m),
             steering: CachedDirection::new(pose.heading),
             ring: CachedDirection::new(pose.heading),
             drive: Drive::Still,
@@ -154,6 +154,12 @@ impl Base {
             traveled_m: sweep.traveled_m,
             min_clearance_m: sweep.min_clearance_m,
         }
+    }
+
+    /// Turns wheels and ring on the spot, instantly, by `angle` rad to the left.
+    pub fn turn_exactly(&mut self, angle: f64) {
+        self.ring.set(wrap_angle(self.ring.angle() + angle));
+        self.steering = self.ring;
     }
 
     /// Points the wheels, and a following turret, along a displacement in the ring frame,

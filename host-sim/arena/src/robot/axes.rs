@@ -133,7 +133,7 @@ impl Axes {
     pub fn new(pose: Pose, limits: &BaseLimits) -> Self {
         Self {
             servos: AxisLimits::of(limits).map(Servo::new),
-            chassis: Chassis::new(pose),
+            chassis: Chassis::new(pose, limits.radius_m),
             front: pose.heading,
             slip: limits.slip,
             bumpers: 0,

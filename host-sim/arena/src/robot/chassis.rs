@@ -5,7 +5,7 @@ use core::f64::consts::TAU;
 use super::motion::Executed;
 use super::servo::{RemainingDistance, ServoStride};
 use crate::noise::Noise;
-use crate::nomad::{BUMPERS, COLLISION_RADIUS_M};
+use crate::nomad::BUMPERS;
 use crate::world::{LastWorld, Point, Pose, Sweep, World};
 
 /// Margin for rounding, m.
@@ -17,6 +17,7 @@ pub(super) struct Chassis {
     pub(super) position: Point,
     /// Position without slip.
     pub(super) odometry: Point,
+    radius_m: f64,
     /// Bearing of the base, which never turns.
     front: f64,
     /// Complex factor from a displacement in odometry to the true one.
@@ -68,11 +69,12 @@ impl RemainingDistance for RollingPath {
 }
 
 impl Chassis {
-    /// A chassis whose front points along the pose's heading.
-    pub(super) fn new(pose: Pose) -> Self {
+    /// A disc of this radius whose front points along the pose's heading.
+    pub(super) fn new(pose: Pose, radius_m: f64) -> Self {
         Self {
             position: pose.position,
             odometry: pose.position,
+            radius_m,
             front: pose.heading,
             slip: Point::new(1.0, 0.0),
             max_reported_gap_m: None,
@@ -84,11 +86,11 @@ impl Chassis {
     /// Moves straight by the true `displacement`, up to the first contact.
     pub(super) fn sweep(&mut self, displacement: Point, world: &World) -> Sweep {
         let (from, to) = (self.position, self.position + displacement);
-        let sweep = world.sweep(from, to, COLLISION_RADIUS_M);
+        let sweep = world.sweep(from, to, self.radius_m);
         self.world.is_same(world);
         self.free = (sweep.min_clearance_m > 0.0).then_some(FreeDisc {
             center: to,
-            radius_m: COLLISION_RADIUS_M + sweep.min_clearance_m,
+            radius_m: self.radius_m + sweep.min_clearance_m,
         });
         sweep
     }
@@ -107,7 +109,7 @@ impl Chassis {
         let Some(max_gap_m) = self.max_reported_gap_m else {
             return false;
         };
-        let margin = COLLISION_RADIUS_M + max_gap_m.max(0.0) + SLACK_M;
+        let margin = self.radius_m + max_gap_m.max(0.0) + SLACK_M;
         let same = self.world.is_same(world);
         let contains = |free: FreeDisc| same && free.contains(points, margin);
         self.free.is_some_and(contains)
@@ -190,7 +192,7 @@ impl Chassis {
     pub(super) fn report_gap(&mut self, world: &World, done: &mut Executed) {
         let at = self.position;
         if done.min_clearance_m == f64::INFINITY && !self.passes_freely(world, [at, at]) {
-            done.min_clearance_m = (world.clearance(at) - COLLISION_RADIUS_M).max(0.0);
+            done.min_clearance_m = (world.clearance(at) - self.radius_m).max(0.0);
         }
     }
 

@@ -3,14 +3,17 @@
 use core::f64::consts::PI;
 use core::str::FromStr;
 
+use crate::nomad::COLLISION_RADIUS_M;
 use files::error::BadInput;
 
 /// Distances and angles below this count as zero (m, rad): the Nomad cannot measure them.
 pub(super) const NEGLIGIBLE: f64 = 1e-9;
 
-/// Limits of the motors, and slip of the wheels.
+/// Size of the body, limits of the motors, and slip of the wheels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BaseLimits {
+    /// Radius of the disc that collides, m.
+    pub radius_m: f64,
     /// Greatest speed, m/s: 20 in/s, the limit in the Nomad's own software.
     pub speed_m_s: f64,
     /// Acceleration and deceleration, m/s²: 30 in/s².
@@ -27,6 +30,7 @@ pub struct BaseLimits {
 impl Default for BaseLimits {
     fn default() -> Self {
         Self {
+            radius_m: COLLISION_RADIUS_M,
             speed_m_s: 0.508,
             acceleration_m_s2: 0.762,
             turn_rate_rad_s: PI / 4.0,

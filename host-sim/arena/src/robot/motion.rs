@@ -29,7 +29,7 @@ pub struct Executed {
 
 impl Executed {
     /// No motion, and no gap reported.
-    pub(super) fn none() -> Self {
+    pub fn none() -> Self {
         Self {
             touched: false,
             bumpers: 0,

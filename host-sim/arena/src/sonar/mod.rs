@@ -98,14 +98,21 @@ struct FirstEcho {
     range_m: Option<f64>,
 }
 
-/// A ring of transducers on a turret.
+/// Position and axis of a transducer, relative to the turret's center and heading.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Transducer {
+    face: Point,
+    axis: Point,
+}
+
+/// Transducers on a turret or a body.
 #[derive(Debug, Clone)]
 pub struct Ring {
-    geometry: RingGeometry,
+    transducers: Vec<Transducer>,
+    /// Distance of all faces from the center along their axes, m; `None` for other positions.
+    face_radius_m: Option<f64>,
     config: SonarConfig,
     model: SonarModel,
-    /// Axis of each transducer, relative to the turret's heading.
-    axes: Vec<Point>,
     cone: ConeShape,
     /// Surfaces in the lobe of each transducer.
     lobes: Vec<LobeView>,
@@ -141,21 +148,55 @@ impl Ring {
             count: geometry.count.max(1),
             ..geometry
         };
-        let half_angle = config.half_angle_rad.clamp(1e-3, 1.5);
         let bearings = (0..geometry.count).map(|sensor| geometry.bearing(sensor));
+        let transducers = bearings.map(|bearing| {
+            let axis = Point::unit(bearing);
+            let face = axis * geometry.face_radius_m;
+            Transducer { face, axis }
+        });
+        let ring = Self::of_transducers(transducers.collect(), model, config, noise);
         Self {
-            axes: bearings.map(Point::unit).collect(),
+            face_radius_m: Some(geometry.face_radius_m),
+            ..ring
+        }
+    }
+
+    /// Sensors anywhere on a body: position, m, and bearing, rad, of each in the body's frame.
+    #[must_use]
+    pub fn with_mounts(
+        model: SonarModel,
+        mounts: &[(Point, f64)],
+        config: SonarConfig,
+        noise: &mut Noise,
+    ) -> Self {
+        let transducers = mounts.iter().map(|&(face, bearing)| Transducer {
+            face,
+            axis: Point::unit(bearing),
+        });
+        Self::of_transducers(transducers.collect(), model, config, noise)
+    }
+
+    fn of_transducers(
+        transducers: Vec<Transducer>,
+        model: SonarModel,
+        config: SonarConfig,
+        noise: &mut Noise,
+    ) -> Self {
+        let count = transducers.len();
+        let half_angle = config.half_angle_rad.clamp(1e-3, 1.5);
+        Self {
+            face_radius_m: None,
             cone: ConeShape::new(half_angle),
-            lobes: vec![LobeView::default(); geometry.count],
+            lobes: vec![LobeView::default(); count],
             hearing: Hearing::new(&config, half_angle),
             min_in: whole_inches(config.min_range_m),
             world: LastWorld::default(),
             heading: CachedDirection::new(0.0),
-            echoes: vec![FirstEcho::default(); geometry.count],
-            dead: config.one_dead.then(|| noise.index(geometry.count)),
+            echoes: vec![FirstEcho::default(); count],
+            dead: config.one_dead.then(|| noise.index(count)),
             faults: ActiveFaults::default(),
             earlier: None,
-            geometry,
+            transducers,
             config,
             model,
         }
@@ -166,12 +207,6 @@ impl Ring {
     pub fn with_faults(mut self, faults: &[TransducerFault]) -> Self {
         self.faults = ActiveFaults::new(faults);
         self
-    }
-
-    /// Geometry of the ring.
-    #[must_use]
-    pub fn geometry(&self) -> RingGeometry {
-        self.geometry
     }
 
     /// Parameters of the model.
@@ -212,13 +247,43 @@ impl Ring {
     /// The exact ranges of all transducers at once, m, for any model: `out[i]` is that of
     /// transducer i. `None` beyond the maximum range.
     pub fn scan(&mut self, world: &World, pose: &Pose, out: &mut [Option<f64>]) {
-        let (offset, reach) = (self.geometry.face_radius_m, self.config.max_range_m);
-        let view = world.view(pose.position, offset, reach);
+        let reach = self.config.max_range_m;
         let heading = self.heading_vector(pose.heading);
-        for (axis, out) in self.axes.iter().zip(out) {
-            let range = view.nearest_in_cone(axis.turned(heading), self.cone);
+        let Some(face_radius_m) = self.face_radius_m else {
+            for (transducer, out) in self.transducers.iter().zip(out) {
+                *out = self.exact_range(world, pose, transducer, heading);
+            }
+            return;
+        };
+        let view = world.view(pose.position, face_radius_m, reach);
+        for (transducer, out) in self.transducers.iter().zip(out) {
+            let range = view.nearest_in_cone(transducer.axis.turned(heading), self.cone);
             *out = (range <= reach).then_some(range);
         }
+    }
+
+    fn exact_range(
+        &self,
+        world: &World,
+        pose: &Pose,
+        transducer: &Transducer,
+        heading: Point,
+    ) -> Option<f64> {
+        let axis = transducer.axis.turned(heading);
+        let reach = self.config.max_range_m;
+        let range = match self.face_radius_m {
+            Some(radius) => {
+                let view = world.view(pose.position, radius, reach);
+                view.nearest_in_cone(axis, self.cone)
+            }
+            None => {
+                let face = pose.position + transducer.face.turned(heading);
+                world
+                    .view(face, 0.0, reach)
+                    .nearest_in_cone(axis, self.cone)
+            }
+        };
+        (range <= reach).then_some(range)
     }
 
     /// Fires one transducer at `time_s` with the robot at `pose`. `None` for a `sensor` that does
@@ -245,15 +310,12 @@ impl Ring {
         time_s: f64,
         noise: &mut Noise,
     ) -> Option<f64> {
-        let axis = *self.axes.get(sensor)?;
+        let transducer = *self.transducers.get(sensor)?;
         if self.model == SonarModel::Ideal {
-            let axis = axis.turned(self.heading_vector(pose.heading));
-            let (offset, reach) = (self.geometry.face_radius_m, self.config.max_range_m);
-            let view = world.view(pose.position, offset, reach);
-            let range = view.nearest_in_cone(axis, self.cone);
-            return (range <= reach).then_some(range);
+            let heading = self.heading_vector(pose.heading);
+            return self.exact_range(world, pose, &transducer, heading);
         }
-        let echo = self.echo(world, pose, sensor, axis);
+        let echo = self.echo(world, pose, sensor, transducer);
         let echo_or_crosstalk = self.with_crosstalk(echo, time_s, noise);
         if self.dead == Some(sensor) {
             return None;
@@ -265,7 +327,13 @@ impl Ring {
     }
 
     /// The first echo of a transducer. Reuses the last one if neither robot nor world moved.
-    fn echo(&mut self, world: &World, pose: &Pose, sensor: usize, axis: Point) -> Option<f64> {
+    fn echo(
+        &mut self,
+        world: &World,
+        pose: &Pose,
+        sensor: usize,
+        transducer: Transducer,
+    ) -> Option<f64> {
         if !self.world.is_same(world) {
             self.echoes.iter_mut().for_each(|echo| echo.from = None);
         }
@@ -273,9 +341,14 @@ impl Ring {
         if last.from.as_ref() == Some(pose) {
             return last.range_m;
         }
-        let axis = axis.turned(self.heading_vector(pose.heading));
+        let heading = self.heading_vector(pose.heading);
+        let axis = transducer.axis.turned(heading);
+        let face = match self.face_radius_m {
+            Some(radius) => axis * radius,
+            None => transducer.face.turned(heading),
+        };
         let lobe = SonarLobe {
-            tip: pose.position + axis * self.geometry.face_radius_m,
+            tip: pose.position + face,
             axis,
             cone: self.cone,
             reach_m: self.config.max_range_m,

@@ -1,12 +1,13 @@
 //! Tests that skipped queries find no contact and no gap to report, by the reference model.
 
 use super::*;
+use crate::nomad::COLLISION_RADIUS_M;
 use crate::reference::Reference;
 use crate::reference::worlds::test_world;
 
 /// Calls `step` for short steps of random walks in all kinds of worlds.
 fn random_walks(mut step: impl FnMut(&mut Chassis, &World, Sweep, Point)) {
-    let mut chassis = Chassis::new(Pose::default());
+    let mut chassis = Chassis::new(Pose::default(), COLLISION_RADIUS_M);
     for seed in 0..16 {
         let (world, places) = test_world(seed);
         let (reference, mut noise) = (Reference::new(&world), Noise::new(seed));
@@ -55,7 +56,7 @@ fn a_new_world_discards_the_free_disc() {
         World::new("wall", Pose::default(), shapes).expect("a sound world")
     };
     let (far, near) = (wall(3.0), wall(0.5));
-    let mut chassis = Chassis::new(Pose::default());
+    let mut chassis = Chassis::new(Pose::default(), COLLISION_RADIUS_M);
     chassis.limit_reported_gaps(0.3);
     let here = [Point::default(); 2];
     assert!(chassis.passes_freely(&far, here));
