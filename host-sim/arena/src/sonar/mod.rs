@@ -4,8 +4,6 @@
 //! exact, *nomad* is a ring without faults, *harsh* has every disturbance. A reading is a range in
 //! meters, or `None` if the ring reports 255 in: no echo within that range.
 
-use core::f64::consts::TAU;
-
 use crate::caster::{ConeShape, LobeView, SonarLobe};
 use crate::direction::CachedDirection;
 use crate::noise::{Noise, NormalDeviate};
@@ -13,12 +11,14 @@ use crate::world::{LastWorld, Point, Pose, World};
 
 mod config;
 mod fault;
+mod geometry;
 mod hearing;
 mod inches;
 
 pub use config::{SonarConfig, SonarModel};
 use fault::ActiveFaults;
 pub use fault::{FaultKind, TransducerFault};
+pub use geometry::RingGeometry;
 pub(crate) use hearing::Hearing;
 use inches::{INCHES_PER_M, whole_inches};
 pub use inches::{M_PER_INCH, MAX_READING_IN, reading_in};
@@ -37,51 +37,6 @@ pub const RING_PERIOD_S: f64 = 0.640;
 
 /// Speed of sound at 20 °C, m/s.
 pub const SOUND_M_S: f64 = 343.2;
-
-/// Transducers on a circle, evenly spaced. Number 0 points ahead; numbers increase to the left.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RingGeometry {
-    /// Number of transducers, at least 1.
-    pub count: usize,
-    /// Distance from the turret's axis to each transducer's face, m.
-    pub face_radius_m: f64,
-}
-
-impl Default for RingGeometry {
-    /// The Nomad 200: 16 transducers at 0.2305 m.
-    fn default() -> Self {
-        Self {
-            count: 16,
-            face_radius_m: FACE_RADIUS_M,
-        }
-    }
-}
-
-impl RingGeometry {
-    /// Bearing of a transducer relative to the turret's heading, rad, positive to the left.
-    #[must_use]
-    pub fn bearing(&self, sensor: usize) -> f64 {
-        TAU * sensor as f64 / self.count.max(1) as f64
-    }
-
-    /// Firing order: the Nomad's for 16 transducers, otherwise front first, then alternating sides.
-    #[must_use]
-    pub fn firing_order(&self) -> Vec<usize> {
-        if self.count == FIRING_ORDER.len() {
-            return FIRING_ORDER.to_vec();
-        }
-        let sides = |i: usize| {
-            if i % 2 == 1 {
-                i.div_ceil(2)
-            } else {
-                self.count - i / 2
-            }
-        };
-        (0..self.count)
-            .map(|i| if i == 0 { 0 } else { sides(i) })
-            .collect()
-    }
-}
 
 /// An earlier ping that may still reverberate.
 #[derive(Debug, Clone, Copy)]
