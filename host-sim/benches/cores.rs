@@ -49,6 +49,7 @@ fn seconds(pool: &ThreadPool, worlds: &[World]) -> f64 {
         seed: 1,
         sonar: SonarModel::Ideal,
         turret: TurretMode::Held,
+        robot: None,
         set_down: None,
         faults: Vec::new(),
         record: false,

@@ -26,6 +26,7 @@ fn seeking() -> Simulator {
             seed: 1,
             sonar: SonarModel::Ideal,
             turret: TurretMode::Held,
+            robot: None,
             set_down: None,
             faults: Vec::new(),
             record: false,

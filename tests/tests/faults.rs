@@ -26,6 +26,7 @@ fn verdicts(room: u64, sonar: SonarModel, faults: &[&str]) -> (Vec<SensorVerdict
         seed: room,
         sonar,
         turret: TurretMode::Held,
+        robot: None,
         set_down: None,
         faults: faults.collect(),
         record: false,

@@ -271,6 +271,7 @@ fn mind(
         seed: trial.seed,
         sonar: trial.sonar,
         turret,
+        robot: None,
         set_down: None,
         faults: Vec::new(),
         record: false,

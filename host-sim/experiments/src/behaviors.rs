@@ -128,6 +128,7 @@ fn setup(scene: &BehaviorScene, trial: &BehaviorTrial, world: &World, seed: u64)
         seed,
         sonar: scene.sonar.unwrap_or(trial.sonar),
         turret: trial.turret,
+        robot: None,
         set_down: scene.set_down.map(|place| place(seed)),
         faults: Vec::new(),
         record: false,

@@ -114,6 +114,7 @@ fn course(
         seed: room,
         sonar: trial.sonar,
         turret: trial.turret,
+        robot: None,
         set_down: None,
         faults: fault.into_iter().collect(),
         record: false,

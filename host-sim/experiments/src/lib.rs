@@ -5,6 +5,7 @@ pub mod ablation;
 pub mod barn;
 pub mod baselines;
 pub mod behaviors;
+pub mod bodies;
 pub mod compare;
 pub mod faults;
 pub mod paper;

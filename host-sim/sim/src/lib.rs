@@ -13,5 +13,7 @@ pub mod goal_file;
 pub mod pilot;
 pub mod recording;
 pub mod ring_pilot;
+pub mod robot;
 pub mod settings;
 pub mod statistics;
+pub mod turret_pilot;

@@ -388,6 +388,7 @@ mod tests {
             sonar: SonarModel::Ideal,
             faults: Vec::new(),
             turret: TurretMode::Held,
+            robot: None,
             set_down: None,
             record: false,
         };

@@ -63,6 +63,7 @@ pub fn demo(args: &DemoArgs, out: &mut impl Write) -> Result<(), CliError> {
         seed: args.seed,
         sonar: SonarModel::Ideal,
         turret: preset.turret(),
+        robot: None,
         set_down: None,
         faults: Vec::new(),
         record: true,

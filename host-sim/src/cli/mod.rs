@@ -7,6 +7,7 @@
 mod ablation;
 mod barn;
 mod behaviors;
+mod bodies;
 mod bridge;
 mod capture;
 mod compare;
@@ -84,6 +85,8 @@ enum CliCommand {
     Ablation(ablation::AblationArgs),
     /// List the behaviors with measured results, without and with the shield
     Behaviors(behaviors::BehaviorsArgs),
+    /// Measure robots whose sensors stand anywhere on their bodies
+    Bodies(bodies::BodiesArgs),
     /// Write the situation at a pose: a goal for `run --behavior seek:FILE` and `link goal FILE`
     Capture(capture::CaptureArgs),
     /// Measure whether a behavior improves by repetition, compared with frozen maps
@@ -180,6 +183,7 @@ fn execute(command: Option<CliCommand>, out: &mut impl Write) -> Result<(), CliE
         Some(CliCommand::Capture(args)) => capture::capture(&args, out),
         Some(CliCommand::Repetition(args)) => repetition::repetition(&args, out),
         Some(CliCommand::Faults(args)) => faults::faults(&args, out),
+        Some(CliCommand::Bodies(args)) => bodies::bodies(&args, out),
         Some(CliCommand::Log(args)) => log::log(&args, out),
         Some(CliCommand::Replay(args)) => log::replay(&args, out),
         Some(CliCommand::Paper(args)) => paper::paper(&args, out),

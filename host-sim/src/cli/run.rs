@@ -165,6 +165,7 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), CliError> {
     };
     let sources = sources(&args.worlds)?;
     check_outputs(args, sources.len())?;
+    check_robot(args, &setup)?;
     let remote = Remote::connect(&args.mind, setup.explore_moves)?;
     if let Some(dir) = &args.out {
         prepare(dir)?;
@@ -210,6 +211,25 @@ fn check_outputs(args: &RunArgs, worlds: usize) -> Result<(), BadInput> {
     Ok(())
 }
 
+/// Refuses what only the Nomad's controller can do yet.
+fn check_robot(args: &RunArgs, setup: &Setup) -> Result<(), BadInput> {
+    let Some(robot) = &setup.robot else {
+        return Ok(());
+    };
+    let flags = [
+        ("--mind", args.mind.choice != MindChoice::Host),
+        ("--save", args.save.is_some()),
+        ("--log", args.log.is_some()),
+    ];
+    match flags.iter().find(|(_, is_used)| *is_used) {
+        None => Ok(()),
+        Some((flag, _)) => Err(BadInput::new(format!(
+            "{flag}: only with the robot nomad200, not \"{}\"",
+            robot.model().name
+        ))),
+    }
+}
+
 /// Receives the metrics of each world, in order.
 type Print<'p> = &'p mut dyn FnMut(EpisodeReport) -> Result<(), CliError>;
 
@@ -225,8 +245,9 @@ fn in_parallel(
         let one = |(index, source): (usize, &WorldSource)| {
             let folder = folder(args, number * CHUNK + index, source, sources.len());
             let mut mind = LocalController::new(setup.config.clone());
-            let report = episode(source, folder.as_deref(), |world| {
-                drive(world, setup, &mut mind, args.log.as_deref())
+            let report = episode(source, folder.as_deref(), |world| match setup.robot {
+                None => drive(world, setup, &mut mind, args.log.as_deref()),
+                Some(_) => Ok(episode::run(world, setup, |_, _, _| {})?),
             })?;
             if let Some(file) = &args.save {
                 Knowledge::of(mind.config(), mind.state()).save(file)?;

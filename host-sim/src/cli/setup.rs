@@ -3,12 +3,14 @@
 use super::run::{Preset, SonarChoice, Switch, TurretChoice};
 use amp::config::Config;
 use arena::robot::TurretMode;
+use arena::robot_model::RobotModel;
 use arena::sonar::TransducerFault;
 use clap::Args;
 use files::error::BadInput;
 use sim::behavior::Behavior;
 use sim::episode::Setup;
 use sim::pilot::MAX_MOVES;
+use sim::robot::{AnyRobot, Ranges};
 use sim::settings;
 
 /// Flags for a robot's behavior and its controller's options.
@@ -53,11 +55,26 @@ pub struct SetupArgs {
     /// fault-detection=off)
     #[arg(long = "fault", value_name = "KIND:N", value_parser = parsed::<TransducerFault>)]
     faults: Vec<TransducerFault>,
+    /// Robot: a built-in name (nomad200, p3dx, p3dx-front, p3at, epuck2, thymio2, khepera,
+    /// crazyflie, turtlebot3, lidar16) or a .toml FILE (see docs/robots.md); with --shield on, a
+    /// guard keeps other robots than nomad200 from everything they have seen
+    #[arg(long, value_name = "NAME|FILE", default_value = NOMAD)]
+    robot: String,
+    /// What another robot than nomad200 has: everything its own, or its layout and drive on the
+    /// Nomad's body, with the Nomad's range and cone
+    #[arg(long, value_name = "own|nomad", default_value = "own", value_parser = parsed::<Ranges>)]
+    ranges: Ranges,
+    /// Permute the wires of another robot's sensors; the controller is not told
+    #[arg(long, value_name = "SEED")]
+    scramble: Option<u64>,
     /// Whether the ring keeps its bearing in the world or turns with the heading
     /// [default: held; follow for the preset touzet]
     #[arg(long, value_name = "MODE", value_enum)]
     turret: Option<TurretChoice>,
 }
+
+/// The robot with a ring on a turret.
+const NOMAD: &str = "nomad200";
 
 /// Parses a value by its type.
 pub(super) fn parsed<T: std::str::FromStr<Err = BadInput>>(text: &str) -> Result<T, BadInput> {
@@ -117,6 +134,47 @@ impl SetupArgs {
         self.task.whole()
     }
 
+    /// As [`setup`](Self::setup), for what only the Nomad can do.
+    ///
+    /// # Errors
+    /// Another robot; as [`setup`](Self::setup).
+    pub(super) fn nomad_setup(&self) -> Result<Setup, BadInput> {
+        if self.robot()?.is_some() {
+            return Err(BadInput::new(format!(
+                "--robot {}: here only nomad200 with its own ranges",
+                self.robot
+            )));
+        }
+        self.setup()
+    }
+
+    /// The robot, if it is not the Nomad.
+    ///
+    /// # Errors
+    /// An unknown robot or a bad file; a turret for a robot that has none.
+    fn robot(&self) -> Result<Option<AnyRobot>, BadInput> {
+        if self.robot == NOMAD && self.ranges == Ranges::Own {
+            return match self.scramble {
+                None => Ok(None),
+                Some(_) => Err(BadInput::new(format!(
+                    "--scramble: only with another robot than {NOMAD}"
+                ))),
+            };
+        }
+        if self.turret.is_some() {
+            return Err(BadInput::new(format!(
+                "--turret: the robot \"{}\" has no turret",
+                self.robot
+            )));
+        }
+        let model = RobotModel::find(&self.robot)?;
+        let robot = AnyRobot::new(model, self.ranges, self.task.shield == Switch::On)?;
+        Ok(Some(match self.scramble {
+            None => robot,
+            Some(seed) => robot.scrambled(seed),
+        }))
+    }
+
     /// The setup of an episode of one step, without a recording.
     ///
     /// # Errors
@@ -136,6 +194,7 @@ impl SetupArgs {
                 Some(TurretChoice::Held) => TurretMode::Held,
                 Some(TurretChoice::Follow) => TurretMode::Follow,
             },
+            robot: self.robot()?,
             set_down: None,
             faults: self.faults.clone(),
             record: false,

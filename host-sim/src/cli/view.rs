@@ -188,7 +188,7 @@ fn start(args: &ViewArgs) -> Result<SimulatorStart, BadInput> {
     Ok(SimulatorStart {
         world: source.load()?,
         named: source.to_string(),
-        setup: args.setup.setup()?,
+        setup: args.setup.nomad_setup()?,
         whole: args.setup.whole()?,
         presets: Preset::value_variants().iter().map(preset).collect(),
     })

@@ -112,6 +112,7 @@ fn setup(seed: u64, number: u64) -> Setup {
         seed: seed.wrapping_add(number),
         sonar: sonars[of(number)],
         turret: TurretMode::Held,
+        robot: None,
         set_down: None,
         faults: Vec::new(),
         record: false,

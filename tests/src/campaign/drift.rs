@@ -109,6 +109,7 @@ fn setup(seed: u64, sonar: SonarModel) -> Setup {
         seed,
         sonar,
         turret: TurretMode::Held,
+        robot: None,
         set_down: None,
         faults: Vec::new(),
         record: false,

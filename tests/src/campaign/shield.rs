@@ -131,6 +131,7 @@ fn episode(
         seed,
         sonar,
         turret,
+        robot: None,
         set_down: None,
         faults: Vec::new(),
         record: false,

@@ -188,6 +188,7 @@ fn trained_controller(rules: &RunConditions, seed: u64) -> Result<LocalControlle
         seed,
         sonar: rules.sonar,
         turret: TurretMode::Held,
+        robot: None,
         set_down: None,
         faults: Vec::new(),
         record: false,

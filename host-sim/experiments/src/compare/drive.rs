@@ -216,6 +216,7 @@ impl MeasuredSite<'_> {
             sonar: self.conditions.sonar,
             turret,
             // Every method is measured from the world's start.
+            robot: None,
             set_down: Some(self.world.start().position),
             faults: Vec::new(),
             record: false,

@@ -222,6 +222,7 @@ mod tests {
             seed: 3,
             sonar: SonarModel::Ideal,
             turret: TurretMode::Held,
+            robot: None,
             set_down: None,
             faults: Vec::new(),
             record: false,

@@ -53,6 +53,7 @@ pub fn setup(reading: &PaperReading, behavior: Behavior, seed: u64, steps: u32) 
         seed,
         sonar: SonarModel::Ideal,
         turret: reading.turret,
+        robot: None,
         set_down: None,
         faults: Vec::new(),
         record: true,

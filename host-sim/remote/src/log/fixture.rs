@@ -22,6 +22,7 @@ pub fn setup(sonar: SonarModel) -> Setup {
         seed: 5,
         sonar,
         turret: TurretMode::Held,
+        robot: None,
         set_down: None,
         faults: Vec::new(),
         record: false,

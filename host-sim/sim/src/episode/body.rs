@@ -5,6 +5,7 @@
 //! its own slot of 40 ms while the base steers, accelerates and slips.
 
 mod odometer;
+mod on_body;
 mod step_result;
 mod units;
 
@@ -14,6 +15,7 @@ pub use units::milliseconds;
 use super::leader::Leader;
 use super::places;
 use crate::pilot::{AgedEcho, Pilot};
+use crate::robot::AnyRobot;
 use amp::controller::{Event, Motion, Progress};
 use amp::units::{Displacement, Millis, Range};
 use arena::noise::Noise;
@@ -33,6 +35,8 @@ pub struct Body<'w> {
     base: Base,
     limits: BaseLimits,
     turret: TurretMode,
+    /// The robot, if it is not the Nomad.
+    robot: Option<AnyRobot>,
     ring: Ring,
     noise: Noise,
     time_s: f64,
@@ -67,6 +71,7 @@ impl<'w> Body<'w> {
             base: Base::new(start, limits, turret),
             limits,
             turret,
+            robot: None,
             ring,
             noise,
             time_s: 0.0,
@@ -116,10 +121,12 @@ impl<'w> Body<'w> {
     /// the others.
     pub fn advance(&mut self, pilot: &mut impl Pilot) -> StepResult {
         let (before_s, before) = (self.time_s, self.base.pose().position);
-        let mut result = if self.ring.model() == SonarModel::Ideal {
-            self.ideal_ring(pilot)
-        } else {
-            self.firing_slot(pilot)
+        let is_ideal = self.ring.model() == SonarModel::Ideal;
+        let mut result = match (&self.robot, is_ideal) {
+            (None, true) => self.ideal_ring(pilot),
+            (None, false) => self.firing_slot(pilot),
+            (Some(robot), true) => self.ideal_step(pilot, &robot.clone()),
+            (Some(robot), false) => self.timed_step(pilot, &robot.clone()),
         };
         self.tick(pilot, &mut result);
         let way = self.base.pose().position - before;

@@ -59,6 +59,7 @@ mod tests {
                 seed,
                 sonar: SonarModel::Ideal,
                 turret: TurretMode::Held,
+                robot: None,
                 set_down: None,
                 faults: Vec::new(),
                 record: true,

@@ -5,53 +5,17 @@ use super::body::{Body, Collision, StepResult, milliseconds};
 use super::measure::Measure;
 use super::metrics::{EpisodeReport, Metrics, StepFlags, rounded};
 use super::record::StepRecorder;
+use super::setup::Setup;
 use crate::behavior::Behavior;
 use crate::error::EpisodeError;
 use crate::pilot::{InspectableController, LocalController, Pilot};
 use crate::recording::Recording;
-use amp::config::Config;
+use crate::turret_pilot::TurretController;
 use amp::controller::{Command, Decision, Event};
 use amp::fixed::Weight;
 use amp::scan::Situation;
 use amp::units::Millis;
-use arena::robot::TurretMode;
-use arena::sonar::{SonarModel, TransducerFault};
 use arena::world::{Point, World};
-
-/// The conditions of an episode, without its world.
-#[derive(Debug, Clone)]
-pub struct Setup {
-    /// The controller's configuration.
-    pub config: Config<16>,
-    /// Name of the preset it came from.
-    pub preset: String,
-    /// Behavior after exploring.
-    pub behavior: Behavior,
-    /// Random moves, 1 … [`MAX_MOVES`](crate::pilot::MAX_MOVES).
-    pub explore_moves: u16,
-    /// Decisions towards the goal, at least 1.
-    pub steps: u32,
-    /// Seed of all randomness.
-    pub seed: u64,
-    /// What the sonars return.
-    pub sonar: SonarModel,
-    /// Faulty transducers.
-    pub faults: Vec<TransducerFault>,
-    /// What the ring does while the base steers.
-    pub turret: TurretMode,
-    /// Where the robot is placed after exploring; `None` = the default of its behavior.
-    pub set_down: Option<Point>,
-    /// Record every step, for pictures.
-    pub record: bool,
-}
-
-impl Setup {
-    /// The same with another behavior.
-    #[must_use]
-    pub fn pursuing(self, behavior: Behavior) -> Self {
-        Self { behavior, ..self }
-    }
-}
 
 /// The phases of an episode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -89,12 +53,16 @@ pub fn run(
     setup: &Setup,
     progress: impl FnMut(Phase, u32, u32),
 ) -> Result<Episode, EpisodeError> {
-    run_with(
-        world,
-        setup,
-        &mut LocalController::new(setup.config.clone()),
-        progress,
-    )
+    match &setup.robot {
+        None => {
+            let mut controller = LocalController::new(setup.config.clone());
+            run_with(world, setup, &mut controller, progress)
+        }
+        Some(robot) => {
+            let mut controller = TurretController::new(setup.config.clone(), robot);
+            run_with(world, setup, &mut controller, progress)
+        }
+    }
 }
 
 /// As [`run`], with any controller. It should have the setup's configuration and no knowledge.
@@ -149,7 +117,11 @@ pub(super) fn explored<'w>(
     mut progress: impl FnMut(Phase, u32, u32),
 ) -> Result<(EpisodeRunner<'w>, Metrics), EpisodeError> {
     let seeds = Seeds::of(setup.seed);
-    let body = Body::new(world, setup.sonar, setup.turret, seeds.noise).with_faults(&setup.faults);
+    let body = match &setup.robot {
+        None => Body::new(world, setup.sonar, setup.turret, seeds.noise),
+        Some(robot) => Body::of_robot(world, robot, setup.sonar, seeds.noise),
+    };
+    let body = body.with_faults(&setup.faults);
     let mut runner = EpisodeRunner::new(world, body, setup.record);
     runner.observer = observer;
 

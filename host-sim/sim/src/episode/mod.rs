@@ -13,12 +13,13 @@ mod metrics;
 mod places;
 mod pursue;
 mod record;
+mod setup;
 
 pub use body::milliseconds;
 pub use body::{Body, Collision, Moved, StepResult};
 pub use capture::perceive;
 pub use drive::{
-    Episode, Observer, Phase, Setup, drive_pilot, explore_and_learn, run, run_observed, run_with,
+    Episode, Observer, Phase, drive_pilot, explore_and_learn, run, run_observed, run_with,
 };
 pub use leader::Leader;
 pub use measure::{FOLLOW_RANGE_M, FOLLOW_TIME_S, NEST_RADIUS_M};
@@ -26,6 +27,7 @@ pub use metrics::rounded;
 pub use metrics::{EpisodeReport, Metrics, StepFlags};
 pub use places::elsewhere;
 pub use pursue::{CARRY_TIME_S, repeat};
+pub use setup::Setup;
 
 use rand_core::{Rng as _, SeedableRng as _};
 use rand_xoshiro::SplitMix64;

@@ -1,7 +1,8 @@
 //! The last phase of an episode: one behavior, or several in a row.
 
-use super::drive::{EpisodeRunner, Setup, explored, report};
+use super::drive::{EpisodeRunner, explored, report};
 use super::metrics::{EpisodeReport, Metrics};
+use super::setup::Setup;
 use crate::behavior::{self, Behavior};
 use crate::error::EpisodeError;
 use crate::pilot::{LocalController, Pilot};

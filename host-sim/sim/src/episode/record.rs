@@ -1,8 +1,8 @@
 //! Records the steps of an episode for pictures.
 
 use super::body::{Body, Moved, StepResult};
-use super::drive::Setup;
 use super::metrics::StepFlags;
+use super::setup::Setup;
 use crate::pilot::SimState;
 use crate::recording::{MapRecord, PlanTrace, Recording, Step};
 use amp::config::Config;

@@ -19,8 +19,8 @@ use std::path::PathBuf;
 /// Flags of the `compare` command.
 #[derive(Debug, Clone, Args)]
 pub struct CompareArgs {
-    /// World: a file, a folder, random:SEED, random:A..=B, random2:SEED, random2:A..=B or a built-in
-    /// name; may be given several times
+    /// World: a file, a folder, random:SEED, random:A..=B, random2:SEED, random2:A..=B or a
+    /// built-in name; may be given several times
     #[arg(long = "world", value_name = "WORLD", default_value = "random:1..=6")]
     worlds: Vec<String>,
     /// Methods, separated by commas: default, probe, touzet (the two maps), random, braitenberg,

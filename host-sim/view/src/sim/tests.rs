@@ -20,6 +20,7 @@ fn start(sonar: SonarModel) -> SimulatorStart {
             seed: 3,
             sonar,
             turret: TurretMode::Held,
+            robot: None,
             set_down: None,
             faults: Vec::new(),
             record: true,

@@ -32,6 +32,7 @@ fn setup(sonar: SonarModel, moves: u16, steps: u32) -> Setup {
         seed: 5,
         sonar,
         turret: TurretMode::Held,
+        robot: None,
         set_down: None,
         faults: Vec::new(),
         record: true,

@@ -1,0 +1,147 @@
+//! Robots of all layouts: how many worlds each leaves clean, and how near a wall it keeps.
+
+use amp::config::Config;
+use arena::robot::TurretMode;
+use arena::sonar::SonarModel;
+use arena::world::World;
+use rayon::prelude::*;
+use sim::behavior::Behavior;
+use sim::episode::{EpisodeReport, Setup, run};
+use sim::error::EpisodeError;
+use sim::robot::AnyRobot;
+
+/// Which generator makes the worlds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Generator {
+    /// Rooms with boxes.
+    Random,
+    /// Worlds of many other kinds.
+    Random2,
+}
+
+impl Generator {
+    /// The world of a seed.
+    #[must_use]
+    pub fn world(self, seed: u64) -> World {
+        match self {
+            Self::Random => World::random(seed),
+            Self::Random2 => World::random2(seed),
+        }
+    }
+
+    /// Its name, as `--world` takes it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Random => "random",
+            Self::Random2 => "random2",
+        }
+    }
+}
+
+/// What all episodes of a table share.
+#[derive(Debug, Clone)]
+pub struct BodyTrial {
+    /// Where the worlds come from.
+    pub generator: Generator,
+    /// Seed of the first world; each episode uses the seed of its world.
+    pub first: u64,
+    /// Number of worlds.
+    pub worlds: u32,
+    /// Random moves before the behavior.
+    pub explore_moves: u16,
+    /// Steps of the behavior.
+    pub steps: u32,
+    /// The controller's configuration.
+    pub config: Config<16>,
+}
+
+/// What one robot did in all worlds.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct BodyOutcome {
+    /// Worlds.
+    pub worlds: usize,
+    /// Worlds without a contact while avoiding obstacles. A robot that stops by itself before the
+    /// end leaves no clean world.
+    pub clean: usize,
+    /// Worlds in which the robot stopped by itself.
+    pub stopped: usize,
+    /// Contacts while avoiding obstacles.
+    pub contacts: u32,
+    /// Distance while avoiding obstacles, m.
+    pub distance_m: f64,
+    /// Mean error of the distance to a wall on the right, m.
+    pub wall_error_m: f64,
+}
+
+impl BodyOutcome {
+    /// Share of clean worlds, %.
+    #[must_use]
+    pub fn clean_percent(&self) -> f64 {
+        100.0 * self.clean as f64 / self.worlds.max(1) as f64
+    }
+
+    /// Contacts per km.
+    #[must_use]
+    pub fn contacts_per_km(&self) -> f64 {
+        f64::from(self.contacts) / (self.distance_m / 1e3).max(1e-9)
+    }
+}
+
+/// Measures one robot, avoiding obstacles and along walls; `None` = the Nomad with its ring on a
+/// held turret and no virtual one. `done` is called after each episode.
+pub fn measure(
+    robot: Option<&AnyRobot>,
+    sonar: SonarModel,
+    trial: &BodyTrial,
+    done: &(impl Fn() + Sync),
+) -> BodyOutcome {
+    let drive = |behavior: Behavior| {
+        let seeds = trial.first..trial.first + u64::from(trial.worlds);
+        let reports: Vec<Result<EpisodeReport, EpisodeError>> = seeds
+            .into_par_iter()
+            .map(|seed| {
+                let setup = setup(robot, sonar, trial, &behavior, seed);
+                let episode = run(&trial.generator.world(seed), &setup, |_, _, _| {});
+                done();
+                episode.map(|episode| episode.report)
+            })
+            .collect();
+        reports
+    };
+    let avoiding = drive(Behavior::Avoid);
+    let reports: Vec<_> = avoiding.iter().flatten().collect();
+    let along_walls = drive(Behavior::WallRight);
+    let errors: Vec<_> = along_walls.iter().flatten().map(|r| r.success).collect();
+    BodyOutcome {
+        worlds: avoiding.len(),
+        clean: reports.iter().filter(|report| report.contacts == 0).count(),
+        stopped: avoiding.len() - reports.len(),
+        contacts: reports.iter().map(|report| report.contacts).sum(),
+        distance_m: reports.iter().map(|report| report.distance_m).sum(),
+        wall_error_m: errors.iter().sum::<f64>() / errors.len().max(1) as f64,
+    }
+}
+
+fn setup(
+    robot: Option<&AnyRobot>,
+    sonar: SonarModel,
+    trial: &BodyTrial,
+    behavior: &Behavior,
+    seed: u64,
+) -> Setup {
+    Setup {
+        config: trial.config.clone(),
+        preset: "default".to_owned(),
+        behavior: behavior.clone(),
+        explore_moves: trial.explore_moves,
+        steps: trial.steps,
+        seed,
+        sonar,
+        turret: TurretMode::Held,
+        robot: robot.cloned(),
+        set_down: None,
+        faults: Vec::new(),
+        record: false,
+    }
+}

@@ -1,0 +1,45 @@
+//! The conditions of an episode.
+
+use crate::behavior::Behavior;
+use crate::robot::AnyRobot;
+use amp::config::Config;
+use arena::robot::TurretMode;
+use arena::sonar::{SonarModel, TransducerFault};
+use arena::world::Point;
+
+/// The conditions of an episode, without its world.
+#[derive(Debug, Clone)]
+pub struct Setup {
+    /// The controller's configuration.
+    pub config: Config<16>,
+    /// Name of the preset it came from.
+    pub preset: String,
+    /// Behavior after exploring.
+    pub behavior: Behavior,
+    /// Random moves, 1 … [`MAX_MOVES`](crate::pilot::MAX_MOVES).
+    pub explore_moves: u16,
+    /// Decisions towards the goal, at least 1.
+    pub steps: u32,
+    /// Seed of all randomness.
+    pub seed: u64,
+    /// What the sonars return.
+    pub sonar: SonarModel,
+    /// Faulty transducers.
+    pub faults: Vec<TransducerFault>,
+    /// What the ring does while the base steers.
+    pub turret: TurretMode,
+    /// The robot, if it is not the Nomad; it then has its own sensors and no turret.
+    pub robot: Option<AnyRobot>,
+    /// Where the robot is placed after exploring; `None` = the default of its behavior.
+    pub set_down: Option<Point>,
+    /// Record every step, for pictures.
+    pub record: bool,
+}
+
+impl Setup {
+    /// The same with another behavior.
+    #[must_use]
+    pub fn pursuing(self, behavior: Behavior) -> Self {
+        Self { behavior, ..self }
+    }
+}

@@ -1,0 +1,328 @@
+//! Robots other than the Nomad: a model, and what its sensors can tell.
+
+use amp::config::{Config, Exploration};
+use amp::fixed::Mask;
+use amp::points::PointLimits;
+use amp::robot::{RobotSpec, evenly_spaced};
+use amp::scan::Encoding;
+use amp::turret::{BodySpec, Mount};
+use amp::units::{Bearing, Displacement};
+use arena::noise::Noise;
+use arena::robot::{BaseLimits, COLLISION_RADIUS_M, TurretMode};
+use arena::robot_model::{DriveKind, RobotModel, SensorKind, SensorMount};
+use arena::sonar::{FACE_RADIUS_M, RING_PERIOD_S, SonarConfig, SonarModel};
+use arena::world::Point;
+use files::error::BadInput;
+use std::f64::consts::TAU;
+use std::str::FromStr;
+
+/// Most sensors of a simulated robot.
+pub const MAX_BEAMS: usize = 16;
+
+/// What a robot is taken from its model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Ranges {
+    /// Everything: body, speeds, and the range and cone of its sensors.
+    #[default]
+    Own,
+    /// Only where its sensors look and how it drives; body, speeds, range and cone are the Nomad's.
+    Nomad,
+}
+
+impl FromStr for Ranges {
+    type Err = BadInput;
+
+    fn from_str(text: &str) -> Result<Self, BadInput> {
+        match text {
+            "own" => Ok(Self::Own),
+            "nomad" => Ok(Self::Nomad),
+            _ => Err(BadInput::unknown("ranges", text, &["own", "nomad"])),
+        }
+    }
+}
+
+/// A robot whose sensors stand anywhere on its body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AnyRobot {
+    model: RobotModel,
+    ranges: Ranges,
+    /// Distance that the guard keeps to everything seen, as a share of the body's radius; `None` =
+    /// no guard.
+    guard: Option<f64>,
+    /// Which sensor the controller takes each one for.
+    wires: Vec<usize>,
+}
+
+/// Distance that the guard keeps, as a share of the body's radius: 90 mm for the Nomad.
+const GUARD: f64 = 0.09 / COLLISION_RADIUS_M;
+/// Turns of a differential drive with the Nomad's body, rad/s.
+const NOMAD_TURN_RAD_S: f64 = std::f64::consts::FRAC_PI_4;
+
+impl AnyRobot {
+    /// A robot of this model, with a guard or without.
+    ///
+    /// # Errors
+    /// When it has more than [`MAX_BEAMS`] sensors.
+    pub fn new(model: RobotModel, ranges: Ranges, has_guard: bool) -> Result<Self, BadInput> {
+        let count = model.sensors.len();
+        if count > MAX_BEAMS {
+            return Err(BadInput::new(format!(
+                "robot \"{}\": {count} sensors; at most {MAX_BEAMS} can be simulated",
+                model.name
+            )));
+        }
+        let model = match ranges {
+            Ranges::Own => model,
+            Ranges::Nomad => on_nomad(model),
+        };
+        let guard = has_guard.then_some(GUARD);
+        Ok(Self {
+            model,
+            ranges,
+            guard,
+            wires: (0..count).collect(),
+        })
+    }
+
+    /// The same robot with the wires of its sensors permuted; the controller is not told.
+    #[must_use]
+    pub fn scrambled(mut self, seed: u64) -> Self {
+        let mut noise = Noise::new(seed);
+        for last in (1..self.wires.len()).rev() {
+            self.wires.swap(last, noise.index(last + 1));
+        }
+        self
+    }
+
+    /// The robot; with [`Ranges::Nomad`] on the Nomad's body.
+    #[must_use]
+    pub fn model(&self) -> &RobotModel {
+        &self.model
+    }
+
+    /// Position, m, and bearing, rad, of each sensor.
+    #[must_use]
+    pub fn mounts(&self) -> Vec<(Point, f64)> {
+        let sensors = self.model.sensors.iter();
+        sensors.map(|s| (s.position, s.bearing_rad)).collect()
+    }
+
+    /// Whether the body turns to where it goes.
+    #[must_use]
+    pub fn turns(&self) -> bool {
+        self.model.drive == DriveKind::Differential
+    }
+
+    /// What the sensors do while the base turns its wheels.
+    #[must_use]
+    pub fn turret(&self) -> TurretMode {
+        if self.turns() {
+            TurretMode::Follow
+        } else {
+            TurretMode::Held
+        }
+    }
+
+    /// Size relative to the Nomad.
+    fn scale(&self) -> f64 {
+        self.model.radius_m / COLLISION_RADIUS_M
+    }
+
+    /// A length of the Nomad's, mm, scaled to this body.
+    fn scaled_mm(&self, nomad_mm: u16) -> u16 {
+        (f64::from(nomad_mm) * self.scale()).round().max(1.0) as u16
+    }
+
+    /// Size and limits of the base.
+    #[must_use]
+    pub fn limits(&self) -> BaseLimits {
+        let nomad = BaseLimits::default();
+        BaseLimits {
+            radius_m: self.model.radius_m,
+            speed_m_s: self.model.max_speed_m_s.min(nomad.speed_m_s),
+            turn_rate_rad_s: self.model.max_turn_rad_s,
+            turn_acceleration_rad_s2: 2.0 * self.model.max_turn_rad_s,
+            slip: self.model.wheel_slip,
+            ..nomad
+        }
+    }
+
+    /// Parameters of its sensors.
+    #[must_use]
+    pub fn sensing(&self, sonar: SonarModel) -> SonarConfig {
+        let config = sonar.config();
+        match self.ranges {
+            Ranges::Nomad => config,
+            Ranges::Own => SonarConfig {
+                half_angle_rad: self.model.half_cone_rad,
+                max_range_m: self.model.range_m[1],
+                min_range_m: self.model.range_m[0],
+                ..config
+            },
+        }
+    }
+
+    /// How far a sensor sees free space when nothing answers: not at all for sonars.
+    fn silence_mm(&self) -> Option<u16> {
+        let sensors = &self.model.sensors;
+        let is_certain = sensors.iter().all(|s| s.kind != SensorKind::Sonar);
+        (is_certain && self.ranges == Ranges::Own).then(|| self.reach_mm())
+    }
+
+    /// Greatest range of its sensors, mm.
+    fn reach_mm(&self) -> u16 {
+        match self.ranges {
+            Ranges::Own => (self.model.range_m[1] * 1e3).round() as u16,
+            Ranges::Nomad => u16::MAX,
+        }
+    }
+
+    /// The body as the controller is told.
+    #[must_use]
+    pub fn body(&self) -> BodySpec<MAX_BEAMS> {
+        let mut mounts = [Mount::default(); MAX_BEAMS];
+        let mut enabled = Mask::NONE;
+        for (index, (mount, wire)) in mounts.iter_mut().zip(&self.wires).enumerate() {
+            let Some(sensor) = self.model.sensors.get(*wire) else {
+                continue;
+            };
+            let mm = |m: f64| (m * 1e3).round() as i32;
+            *mount = Mount {
+                position: Displacement::saturating(mm(sensor.position.x), mm(sensor.position.y)),
+                axis: bearing(sensor.bearing_rad),
+            };
+            enabled = enabled.with(index);
+        }
+        let guard_m = self.guard.map(|share| share * self.model.radius_m);
+        let nomad = PointLimits::NOMAD;
+        BodySpec {
+            mounts,
+            enabled,
+            points: PointLimits {
+                face_radius_mm: self.scaled_mm(nomad.face_radius_mm),
+                keep_mm: self.scaled_mm(nomad.keep_mm),
+                beyond_mm: self.scaled_mm(nomad.beyond_mm),
+                here_mm: self.scaled_mm(nomad.here_mm),
+                near_mm: self.scaled_mm(nomad.near_mm),
+                ..nomad
+            },
+            silence_mm: self.silence_mm(),
+            guard_mm: guard_m.map(|m| (m * 1e3).round() as u16),
+        }
+    }
+
+    /// The configuration for the ring of sectors that the controller sees: lengths scaled to the
+    /// body, no shield, no fault detection.
+    #[must_use]
+    pub fn config(&self, config: Config<16>) -> Config<16> {
+        let (limits, reach_mm) = (self.limits(), self.reach_mm());
+        let scaled = |mm| self.scaled_mm(mm);
+        let half_turn_s = std::f64::consts::PI / self.model.max_turn_rad_s;
+        Config {
+            robot: RobotSpec {
+                directions: evenly_spaced(),
+                symmetric: true,
+                face_radius_mm: scaled(config.robot.face_radius_mm),
+                body_radius_mm: scaled(config.robot.body_radius_mm),
+                step_mm: scaled(config.robot.step_mm).min(reach_mm / 4),
+                speed_mm_s: (limits.speed_m_s * 1e3).round() as u16,
+                ring_period_ms: (self.model.period_s * 1e3).round() as u16,
+                steer_ms: match self.model.drive {
+                    DriveKind::Holonomic => 0,
+                    _ => ((half_turn_s + 2.0) * 1e3) as u16,
+                },
+                ..config.robot
+            },
+            encoding: Encoding {
+                near_mm: scaled(config.encoding.near_mm).min(reach_mm / 8),
+                far_mm: scaled(config.encoding.far_mm).min(reach_mm),
+            },
+            exploration: Exploration {
+                shortest_mm: scaled(config.exploration.shortest_mm).min(reach_mm / 8),
+                ..config.exploration
+            },
+            clearance_mm: scaled(config.clearance_mm).min(reach_mm / 2),
+            shield: None,
+            fault_detection: false,
+            ..config
+        }
+    }
+}
+
+/// A model's layout and drive on the Nomad's body.
+fn on_nomad(model: RobotModel) -> RobotModel {
+    let nomad = BaseLimits::default();
+    let sensors = model.sensors.into_iter().map(|sensor| SensorMount {
+        position: Point::unit(sensor.bearing_rad) * FACE_RADIUS_M,
+        ..sensor
+    });
+    RobotModel {
+        radius_m: COLLISION_RADIUS_M,
+        max_speed_m_s: nomad.speed_m_s,
+        max_turn_rad_s: NOMAD_TURN_RAD_S,
+        period_s: RING_PERIOD_S,
+        wheel_slip: nomad.slip,
+        sensors: sensors.collect(),
+        ..model
+    }
+}
+
+/// The nearest bearing to an angle in rad.
+fn bearing(angle: f64) -> Bearing {
+    Bearing::from_turns((angle / TAU * 65_536.0).round() as i32 as u16)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn robot(name: &str, ranges: Ranges) -> AnyRobot {
+        AnyRobot::new(RobotModel::builtin(name).unwrap(), ranges, true).unwrap()
+    }
+
+    #[test]
+    fn a_layout_on_the_nomads_body_has_its_size_and_range() {
+        let robot = robot("epuck2", Ranges::Nomad);
+        let body = robot.body();
+        assert_eq!((body.points.face_radius_mm, body.guard_mm), (231, Some(90)));
+        assert_eq!(robot.sensing(SonarModel::Nomad), SonarConfig::nomad());
+        let config = robot.config(Config::recommended());
+        assert_eq!(config.robot.step_mm, 250);
+        assert_eq!(config.clearance_mm, Config::recommended().clearance_mm);
+    }
+
+    #[test]
+    fn a_small_body_takes_small_steps() {
+        let robot = robot("epuck2", Ranges::Own);
+        let config = robot.config(Config::recommended());
+        let radius_mm = (robot.model().radius_m * 1e3).round() as u16;
+        assert_eq!(config.robot.body_radius_mm, radius_mm);
+        assert!((10..20).contains(&config.robot.step_mm));
+        assert!(config.encoding.near_mm < config.encoding.far_mm);
+        assert!(robot.sensing(SonarModel::Ideal).max_range_m < 0.11);
+    }
+
+    #[test]
+    fn scrambled_wires_are_a_permutation_of_the_seed() {
+        let plain = robot("p3dx", Ranges::Own);
+        let (one, other) = (plain.clone().scrambled(1), plain.clone().scrambled(2));
+        assert_eq!(one, plain.clone().scrambled(1));
+        assert!(one != other && one != plain);
+        let sorted = |robot: &AnyRobot| {
+            let mut axes = robot.body().mounts.map(|mount| mount.axis.as_turns());
+            axes.sort_unstable();
+            axes
+        };
+        assert_eq!(sorted(&one), sorted(&plain));
+        assert_eq!(one.mounts(), plain.mounts());
+    }
+
+    #[test]
+    fn sensors_look_where_the_model_says() {
+        let body = robot("p3dx", Ranges::Own).body();
+        let [first, ..] = body.mounts;
+        assert_eq!(first.axis, Bearing::from_turns(1 << 14));
+        assert_eq!((first.position.dx_mm, first.position.dy_mm), (69, 136));
+        assert!(body.enabled.covers(16));
+    }
+}

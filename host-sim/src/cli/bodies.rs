@@ -1,0 +1,171 @@
+//! `host-sim bodies`: measures robots whose sensors stand anywhere on their bodies.
+
+use super::output::bar;
+use super::setup::parsed;
+use super::{CliError, table};
+use amp::config::Config;
+use arena::robot_model::RobotModel;
+use arena::sonar::SonarModel;
+use clap::{Args, ValueEnum};
+use experiments::bodies::{BodyOutcome, BodyTrial, Generator, measure};
+use files::error::BadInput;
+use sim::pilot::MAX_MOVES;
+use sim::robot::{AnyRobot, Ranges};
+use std::io::Write;
+
+/// Flags of the `bodies` command.
+#[derive(Debug, Clone, Args)]
+pub struct BodiesArgs {
+    /// Robots, with commas between: built-in names or .toml files (see docs/robots.md); "ring" is
+    /// the Nomad's ring on its held turret, without points
+    #[arg(
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        default_value = "ring,nomad200,p3dx,p3dx-front,epuck2,thymio2"
+    )]
+    robots: Vec<String>,
+    /// What the robots have: everything their own, or their layout and drive on the Nomad's body
+    #[arg(long, value_name = "own|nomad", default_value = "nomad", value_parser = parsed::<Ranges>)]
+    ranges: Ranges,
+    /// Generator of the worlds
+    #[arg(long, value_name = "NAME", default_value = "random", value_enum)]
+    generator: GeneratorChoice,
+    /// Number of worlds
+    #[arg(long, value_name = "WORLDS", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    worlds: u32,
+    /// Seed of the first world: below 10 000 for tuning, from there on for reporting
+    #[arg(long, value_name = "SEED", default_value_t = 10_000)]
+    first: u64,
+    /// Random moves before the behavior
+    #[arg(long, value_name = "MOVES", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=i64::from(MAX_MOVES)))]
+    explore: u16,
+    /// Steps of each behavior
+    #[arg(long, value_name = "STEPS", default_value_t = 1_000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    steps: u32,
+    /// Print Markdown
+    #[arg(long)]
+    markdown: bool,
+}
+
+/// Generators as named on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum GeneratorChoice {
+    /// Rooms with boxes
+    Random,
+    /// Worlds of twelve other kinds
+    Random2,
+}
+
+/// The Nomad's ring on its held turret.
+const RING: &str = "ring";
+
+const HEADS: [&str; 8] = [
+    "robot",
+    "sensors",
+    "limited by",
+    "clean worlds, %",
+    "contacts per km",
+    "distance, m",
+    "wall error, m",
+    "stopped",
+];
+
+/// Measures and prints the table.
+///
+/// # Errors
+/// An unknown robot or a bad file.
+pub fn bodies(args: &BodiesArgs, out: &mut impl Write) -> Result<(), CliError> {
+    let robots = robots(args)?;
+    let conditions = [SonarModel::Ideal, SonarModel::Nomad];
+    let guards = [false, true];
+    let per_row = 2 * u64::from(args.worlds);
+    let progress = bar(4 * per_row * robots.len() as u64, "episodes");
+    let mut rows = Vec::new();
+    for (name, robots) in &robots {
+        for sonar in conditions {
+            for (has_guard, robot) in guards.into_iter().zip(robots) {
+                let trial = trial(args, has_guard);
+                let outcome = measure(robot.as_ref(), sonar, &trial, &|| progress.inc(1));
+                rows.push(row(name, sonar, has_guard, &outcome));
+            }
+        }
+    }
+    progress.finish_and_clear();
+    let format = if args.markdown {
+        table::markdown
+    } else {
+        table::plain
+    };
+    out.write_all(format(&HEADS, &rows, &[3, 4, 5, 6, 7]).as_bytes())?;
+    Ok(writeln!(
+        out,
+        "\n{} worlds of {} from {} on, {} random moves and {} steps of each behavior; {}.",
+        args.worlds,
+        trial(args, false).generator.name(),
+        args.first,
+        args.explore,
+        args.steps,
+        match args.ranges {
+            Ranges::Own => "bodies and ranges are the robots' own",
+            Ranges::Nomad => "layouts and drives on the Nomad's body",
+        }
+    )?)
+}
+
+/// Each robot by name, without and with a guard; `None` for the ring on its turret.
+type NamedRobots = Vec<(String, [Option<AnyRobot>; 2])>;
+
+fn robots(args: &BodiesArgs) -> Result<NamedRobots, BadInput> {
+    let robot = |name: &String| {
+        if name == RING {
+            return Ok((name.clone(), [None, None]));
+        }
+        let model = RobotModel::find(name)?;
+        let alone = AnyRobot::new(model.clone(), args.ranges, false)?;
+        let guarded = AnyRobot::new(model, args.ranges, true)?;
+        Ok((name.clone(), [Some(alone), Some(guarded)]))
+    };
+    args.robots.iter().map(robot).collect()
+}
+
+fn trial(args: &BodiesArgs, has_guard: bool) -> BodyTrial {
+    let mut config = Config::recommended();
+    if !has_guard {
+        config.shield = None;
+    }
+    BodyTrial {
+        generator: match args.generator {
+            GeneratorChoice::Random => Generator::Random,
+            GeneratorChoice::Random2 => Generator::Random2,
+        },
+        first: args.first,
+        worlds: args.worlds,
+        explore_moves: args.explore,
+        steps: args.steps,
+        config,
+    }
+}
+
+fn row(name: &str, sonar: SonarModel, has_guard: bool, outcome: &BodyOutcome) -> Vec<String> {
+    let worlds = outcome.worlds.max(1) as f64;
+    vec![
+        name.to_owned(),
+        match sonar {
+            SonarModel::Ideal => "exact",
+            SonarModel::Nomad | SonarModel::Harsh => "noisy",
+        }
+        .to_owned(),
+        match (has_guard, name) {
+            (false, _) => "nothing",
+            (true, RING) => "shield",
+            (true, _) => "guard",
+        }
+        .to_owned(),
+        format!("{:.1}", outcome.clean_percent()),
+        format!("{:.2}", outcome.contacts_per_km()),
+        format!("{:.0}", outcome.distance_m / worlds),
+        format!("{:.2}", outcome.wall_error_m),
+        outcome.stopped.to_string(),
+    ]
+}
