@@ -148,7 +148,8 @@ fn trial(args: &BodiesArgs, has_guard: bool) -> BodyTrial {
 }
 
 fn row(name: &str, sonar: SonarModel, has_guard: bool, outcome: &BodyOutcome) -> Vec<String> {
-    let worlds = outcome.worlds.max(1) as f64;
+    let drove = outcome.worlds - outcome.stopped;
+    let driven = |text: String| if drove > 0 { text } else { "–".to_owned() };
     vec![
         name.to_owned(),
         match sonar {
@@ -163,9 +164,9 @@ fn row(name: &str, sonar: SonarModel, has_guard: bool, outcome: &BodyOutcome) ->
         }
         .to_owned(),
         format!("{:.1}", outcome.clean_percent()),
-        format!("{:.2}", outcome.contacts_per_km()),
-        format!("{:.0}", outcome.distance_m / worlds),
-        format!("{:.2}", outcome.wall_error_m),
+        driven(format!("{:.2}", outcome.contacts_per_km())),
+        driven(format!("{:.0}", outcome.distance_m / drove as f64)),
+        driven(format!("{:.2}", outcome.wall_error_m)),
         outcome.stopped.to_string(),
     ]
 }
