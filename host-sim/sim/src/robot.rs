@@ -55,6 +55,8 @@ pub struct AnyRobot {
 
 /// Distance that the guard keeps, as a share of the body's radius: 90 mm for the Nomad.
 const GUARD: f64 = 0.09 / COLLISION_RADIUS_M;
+/// A holonomic base moves any way at once: its wheels turn this fast, rad/s.
+const AT_ONCE_RAD_S: f64 = 1e3;
 /// Turns of a differential drive with the Nomad's body, rad/s.
 const NOMAD_TURN_RAD_S: f64 = std::f64::consts::FRAC_PI_4;
 
@@ -137,11 +139,15 @@ impl AnyRobot {
     #[must_use]
     pub fn limits(&self) -> BaseLimits {
         let nomad = BaseLimits::default();
+        let turn_rate_rad_s = match self.model.drive {
+            DriveKind::Holonomic => AT_ONCE_RAD_S,
+            DriveKind::Synchro | DriveKind::Differential => self.model.max_turn_rad_s,
+        };
         BaseLimits {
             radius_m: self.model.radius_m,
             speed_m_s: self.model.max_speed_m_s.min(nomad.speed_m_s),
-            turn_rate_rad_s: self.model.max_turn_rad_s,
-            turn_acceleration_rad_s2: 2.0 * self.model.max_turn_rad_s,
+            turn_rate_rad_s,
+            turn_acceleration_rad_s2: 2.0 * turn_rate_rad_s,
             slip: self.model.wheel_slip,
             ..nomad
         }
@@ -227,10 +233,7 @@ impl AnyRobot {
                 step_mm: scaled(config.robot.step_mm).min(reach_mm / 4),
                 speed_mm_s: (limits.speed_m_s * 1e3).round() as u16,
                 ring_period_ms: (self.model.period_s * 1e3).round() as u16,
-                steer_ms: match self.model.drive {
-                    DriveKind::Holonomic => 0,
-                    _ => ((half_turn_s + 2.0) * 1e3) as u16,
-                },
+                steer_ms: ((half_turn_s + 2.0) * 1e3) as u16,
                 ..config.robot
             },
             encoding: Encoding {
