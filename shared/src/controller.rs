@@ -71,8 +71,9 @@ pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usiz
     /// The session expects rings without any echo.
     open_space: bool,
     detector: Detector<SENSORS>,
-    /// Transducers, or sectors of a virtual turret, of which something is known at present.
-    visible: Mask,
+    /// Sectors of a virtual turret of which nothing is known at present. Zero at first: a state of
+    /// zeros takes no flash.
+    hidden: Mask,
     shield: Shield<SENSORS>,
     memory: Memory<SENSORS, SAMPLES>,
     situations: Som<NEURONS, SENSORS>,
@@ -122,7 +123,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             silent_rings: 0,
             open_space: false,
             detector: Detector::new(),
-            visible: Mask::ALL,
+            hidden: Mask::NONE,
             shield: Shield::new(),
             memory: Memory::new(),
             situations: Som::zeroed(grid),
@@ -213,12 +214,13 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     /// that a virtual turret knows nothing of.
     #[must_use]
     pub fn enabled(&self, config: &Config<SENSORS>) -> Mask {
-        self.detector.enabled(config).and(self.visible)
+        let enabled = self.detector.enabled(config).to_bits();
+        Mask::from_bits(enabled & !self.hidden.to_bits())
     }
 
     /// Limits what is used of the ring to these, until the next call.
     pub(crate) const fn set_visible(&mut self, visible: Mask) {
-        self.visible = visible;
+        self.hidden = Mask::from_bits(!visible.to_bits());
     }
 
     /// The fault detector.

@@ -160,7 +160,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.heard_any = false;
         self.silent_rings = 0;
         self.detector = Detector::new();
-        self.visible = Mask::ALL;
+        self.hidden = Mask::NONE;
         self.shield.forget();
         self.memory.clear();
         self.situations.clear();
