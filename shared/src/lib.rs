@@ -89,6 +89,7 @@ mod arrays;
 mod checksum;
 pub mod config;
 pub mod controller;
+mod disc;
 #[cfg(feature = "faults")]
 pub mod faults;
 #[cfg(not(feature = "faults"))]

@@ -8,6 +8,7 @@
 //!
 //! Nothing here depends on the maps, the planner or the time.
 
+use crate::disc::{direction_of, until_contact};
 use crate::fixed::Mask;
 use crate::units::{Bearing, Direction, Displacement, Range};
 use heapless::Vec;
@@ -29,6 +30,10 @@ pub struct PointLimits {
     /// A point nearer to the body than this tells its sector's range wherever it was seen from,
     /// millimeters.
     pub near_mm: u16,
+    /// A robot about to roll decides again only for what is nearer than this, millimeters,
+    pub replan_within_mm: u16,
+    /// and nearer than it thought by this, millimeters.
+    pub replan_nearer_mm: u16,
 }
 
 impl PointLimits {
@@ -40,6 +45,8 @@ impl PointLimits {
         beyond_mm: 300,
         here_mm: 300,
         near_mm: 1_000,
+        replan_within_mm: 1_200,
+        replan_nearer_mm: 100,
     };
 }
 
@@ -160,7 +167,10 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         }
         self.points
             .retain(|point| point.contradictions < limits.contradictions);
-        self.make_room();
+        // Points stand in the order heard.
+        if self.points.is_full() {
+            self.points.remove(0);
+        }
         let (x_mm, y_mm) = axis.times(range_mm);
         // There is room.
         let _ = self.points.push(Point {
@@ -170,21 +180,6 @@ impl<const POINTS: usize> PointMemory<POINTS> {
             contradictions: 0,
             is_echo: beam.is_echo,
         });
-    }
-
-    /// Drops the point of the longest ago if the memory is full.
-    fn make_room(&mut self) {
-        if !self.points.is_full() {
-            return;
-        }
-        let now_mm = self.traveled_mm;
-        let age_mm = |point: &Point| now_mm.wrapping_sub(point.traveled_mm);
-        let ages = self.points.iter().map(age_mm).enumerate();
-        // The first of the oldest, which is the one heard first: points stand in the order heard.
-        let oldest = ages.rev().max_by_key(|(_, age)| *age);
-        if let Some((index, _)) = oldest {
-            self.points.remove(index);
-        }
     }
 
     /// Ranges of a ring of evenly spaced sectors, with the bearings of the frame of the start, and
@@ -234,10 +229,11 @@ impl<const POINTS: usize> PointMemory<POINTS> {
     #[must_use]
     pub fn free_mm(&self, way: Displacement, radius_mm: u16) -> u16 {
         let length = way.length_mm();
-        let direction = unit_vector(way, length);
+        let direction = direction_of(way, length.into());
         let things = self.points.iter().filter(|point| point.is_echo);
         let free = things.fold(i32::from(length), |free, point| {
-            until_contact(direction, point.at, i32::from(radius_mm), free)
+            let (x, y) = (point.at.dx_mm.into(), point.at.dy_mm.into());
+            until_contact(direction.components(x, y), radius_mm.into(), free)
         });
         free as u16
     }
@@ -268,8 +264,8 @@ impl FreeBeam {
         const TAN_7_Q14: i32 = 2_012;
         let offset = point.minus(self.face);
         let (x, y) = (i32::from(offset.dx_mm), i32::from(offset.dy_mm));
-        let along = self.axis.along(x, y);
-        let aside = self.axis.along(y, x.wrapping_neg()).wrapping_abs();
+        let (along, aside) = self.axis.components(x, y);
+        let aside = aside.wrapping_abs();
         along > 0 && along < self.length_mm && aside < (along.wrapping_mul(TAN_7_Q14) >> 14)
     }
 }
@@ -325,34 +321,6 @@ fn sectors_at<const SECTORS: usize>(bearing: Bearing) -> [SectorView; 2] {
         is_central: false,
     };
     [own, other]
-}
-
-/// The direction of a displacement of this length.
-fn unit_vector(way: Displacement, length_mm: u16) -> Direction {
-    let part = |mm: i16| {
-        let scaled = i32::from(mm) << 14;
-        crate::units::div_round(scaled, i32::from(length_mm).max(1)) as i16
-    };
-    Direction {
-        x_q14: part(way.dx_mm),
-        y_q14: part(way.dy_mm),
-    }
-}
-
-/// Distance along a direction until a disc of this radius touches a point; at most `limit`. A point
-/// that is touched already, ahead of the center, gives 0.
-fn until_contact(direction: Direction, point: Displacement, radius_mm: i32, limit: i32) -> i32 {
-    let (x, y) = (i32::from(point.dx_mm), i32::from(point.dy_mm));
-    let along = direction.along(x, y);
-    let aside = direction.along(y, x.wrapping_neg()).wrapping_abs();
-    if along <= 0 || aside >= radius_mm || along.wrapping_sub(limit) >= radius_mm {
-        return limit;
-    }
-    let squared = radius_mm
-        .wrapping_mul(radius_mm)
-        .wrapping_sub(aside.wrapping_mul(aside));
-    let half_chord = crate::fixed::isqrt_u32(squared.unsigned_abs()) as i32;
-    along.wrapping_sub(half_chord).max(0).min(limit)
 }
 
 #[cfg(test)]

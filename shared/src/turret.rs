@@ -46,6 +46,9 @@ const MAX_LOOKS: u8 = 3;
 const TURNED: u16 = 65_536_u32.div_ceil(48) as u16;
 /// A motion is not shortened by less, millimeters.
 const ROUNDING_MM: u16 = 3;
+/// After so long without an echo nothing is known any more, milliseconds: travel alone does not
+/// tell that a robot was carried elsewhere while it was off.
+const FORGET_MS: u32 = 600_000;
 
 /// What the robot knows of its surroundings and its motion, in the frame of the start.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -53,21 +56,16 @@ pub struct VirtualTurret<const SECTORS: usize, const POINTS: usize> {
     memory: PointMemory<POINTS>,
     /// Sensors heard since the last motion ended, or since the last decision.
     fresh: Mask,
+    /// When a sensor was heard last.
+    heard_at: Millis,
     /// The ring of the last decision.
-    thought: [Option<Range>; SECTORS],
-    motion: Option<MotionLeft>,
-    /// New decisions in a row.
-    looks: u8,
-}
-
-/// The motion under way.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct MotionLeft {
-    id: u16,
-    speed_mm_s: u16,
-    /// Displacement still to go.
-    left: Displacement,
+    last_ring: [Option<Range>; SECTORS],
+    /// What is left of the motion under way, in the frame of the start.
+    motion: Option<Motion>,
+    /// Whether that motion has begun to roll.
     is_rolling: bool,
+    /// New decisions in a row.
+    replans: u8,
 }
 
 impl<const SECTORS: usize, const POINTS: usize> Default for VirtualTurret<SECTORS, POINTS> {
@@ -83,9 +81,11 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
         Self {
             memory: PointMemory::new(),
             fresh: Mask::NONE,
-            thought: [None; SECTORS],
+            heard_at: Millis::from_ms(0),
+            last_ring: [None; SECTORS],
             motion: None,
-            looks: 0,
+            is_rolling: false,
+            replans: 0,
         }
     }
 
@@ -98,133 +98,42 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
     /// The ring of the last decision.
     #[must_use]
     pub const fn ring(&self) -> &[Option<Range>; SECTORS] {
-        &self.thought
-    }
-
-    /// Forgets what was seen: the robot may have been carried elsewhere.
-    pub fn forget(&mut self) {
-        self.memory.forget();
-        self.fresh = Mask::NONE;
-        self.thought = [None; SECTORS];
-        self.motion = None;
-        self.looks = 0;
-    }
-
-    /// Whether a sector within 75° of the way is near, and clearly nearer than thought.
-    fn is_surprised(
-        &self,
-        limits: &PointLimits,
-        way: Displacement,
-        ring: &[Option<Range>; SECTORS],
-    ) -> bool {
-        const DEGREES_75: i32 = 65_536 * 75 / 360;
-        let near_mm = limits.near_mm.saturating_add(limits.near_mm / 5);
-        let nearer_mm = limits.beyond_mm / 3;
-        let bearing = way.bearing();
-        let mm = |range: Option<Range>| range.map_or(u16::MAX, Range::as_mm);
-        let sectors = ring.iter().zip(&self.thought).enumerate();
-        let mut ahead = sectors.filter(|(sector, _)| {
-            let offset = Bearing::of_place(*sector, SECTORS).minus(bearing);
-            i32::from(offset.as_signed_turns()).abs() < DEGREES_75
-        });
-        ahead.any(|(_, (now, thought))| {
-            let now = mm(*now);
-            now < near_mm && now < mm(*thought).saturating_sub(nearer_mm)
-        })
-    }
-
-    /// Whether a robot that has just turned towards its way sees something that it did not know.
-    /// Random moves are not reconsidered.
-    fn must_decide_again(
-        &self,
-        limits: &PointLimits,
-        mode: &Mode<SECTORS>,
-        ring: &[Option<Range>; SECTORS],
-    ) -> bool {
-        let seeks = matches!(mode, Mode::Seek { .. });
-        let motion = self.motion.filter(|motion| self.faces_way(motion));
-        motion.is_some_and(|motion| {
-            seeks && self.looks < MAX_LOOKS && self.is_surprised(limits, motion.left, ring)
-        })
+        &self.last_ring
     }
 
     /// Whether the body faces its way and has not begun to roll.
-    fn faces_way(&self, motion: &MotionLeft) -> bool {
-        let offset = motion.left.bearing().minus(self.memory.heading());
-        !motion.is_rolling && offset.as_signed_turns().unsigned_abs() <= TURNED
+    fn faces_way(&self, motion: &Motion) -> bool {
+        let offset = motion.displacement.bearing().minus(self.memory.heading());
+        !self.is_rolling && offset.as_signed_turns().unsigned_abs() <= TURNED
     }
 
-    /// A motion in the body's frame, as far as the guard allows.
-    fn send<const BEAMS: usize>(
-        &mut self,
-        body_radius_mm: u16,
-        body: &BodySpec<BEAMS>,
-        motion: Motion,
-    ) -> Motion {
-        let mut left = motion.displacement;
-        if let Some(margin_mm) = body.guard_mm {
-            let radius_mm = body_radius_mm.saturating_add(margin_mm);
-            let free_mm = self.memory.free_mm(left, radius_mm);
-            if free_mm < left.length_mm() {
-                left = left.with_length(free_mm);
-            }
-        }
-        self.motion = Some(MotionLeft {
-            id: motion.id,
-            speed_mm_s: motion.speed_mm_s,
-            left,
-            is_rolling: false,
-        });
-        self.in_body_frame(motion, left)
+    /// Whether a sector within 75° of the way is near, and clearly nearer than at the last
+    /// decision.
+    fn is_blocked(
+        &self,
+        limits: &PointLimits,
+        way: Bearing,
+        ring: &[Option<Range>; SECTORS],
+    ) -> bool {
+        const DEGREES_75: u16 = (65_536 * 75 / 360) as u16;
+        let mm = |range: Option<Range>| range.map_or(u16::MAX, Range::as_mm);
+        let mut sectors = ring.iter().zip(&self.last_ring).enumerate();
+        sectors.any(|(sector, (now, before))| {
+            let offset = Bearing::of_place(sector, SECTORS).minus(way);
+            let (now, before) = (mm(*now), mm(*before));
+            offset.as_signed_turns().unsigned_abs() < DEGREES_75
+                && now < limits.replan_within_mm
+                && now < before.saturating_sub(limits.replan_nearer_mm)
+        })
     }
 
-    fn in_body_frame(&self, motion: Motion, left: Displacement) -> Motion {
+    /// Turns a motion from the frame of the start into the body's.
+    fn to_body(&self, motion: Motion) -> Motion {
         let back = self.memory.heading().direction().mirrored();
         Motion {
-            displacement: left.rotated(back),
+            displacement: motion.displacement.rotated(back),
             ..motion
         }
-    }
-
-    /// What is left of the motion under way, in the body's frame, if the points ask for less than
-    /// was ordered.
-    fn shorten<const BEAMS: usize>(
-        &mut self,
-        body_radius_mm: u16,
-        body: &BodySpec<BEAMS>,
-    ) -> Option<Motion> {
-        let margin_mm = body.guard_mm?;
-        let under_way = self.motion?;
-        let radius_mm = body_radius_mm.saturating_add(margin_mm);
-        let free_mm = self.memory.free_mm(under_way.left, radius_mm);
-        if under_way.left.length_mm().saturating_sub(free_mm) <= ROUNDING_MM {
-            return None;
-        }
-        let left = under_way.left.with_length(free_mm);
-        self.motion = Some(MotionLeft { left, ..under_way });
-        let motion = Motion {
-            id: under_way.id,
-            displacement: left,
-            speed_mm_s: under_way.speed_mm_s,
-        };
-        Some(self.in_body_frame(motion, left))
-    }
-
-    /// Takes a report of the base; returns the displacement in the frame of the start.
-    fn moved(
-        &mut self,
-        limits: &PointLimits,
-        moved: Displacement,
-        turned: Bearing,
-        progress: Progress,
-    ) -> Displacement {
-        let in_frame = moved.rotated(self.memory.heading().direction());
-        self.memory.moved(limits, moved, turned);
-        if let Some(motion) = &mut self.motion {
-            motion.left = motion.left.minus(in_frame);
-            motion.is_rolling |= progress == Progress::Moving;
-        }
-        in_frame
     }
 }
 
@@ -246,127 +155,209 @@ pub fn handle<
     at: Millis,
     event: Event<SECTORS>,
 ) -> Outputs<SECTORS> {
-    match event {
-        Event::Echo { sensor, range } => {
-            let Some(mount) = body.mounts.get(usize::from(sensor)) else {
-                return Outputs::NONE;
-            };
-            if !body.enabled.contains(sensor.into()) {
-                return Outputs::NONE;
-            }
-            let seen = range.or(body.silence_mm.map(Range::from_mm));
-            if let Some(seen) = seen {
-                let beam = Beam {
-                    mount: mount.position,
-                    axis: mount.axis,
-                    range: seen,
-                    is_echo: range.is_some(),
-                };
-                turret.memory.hear(&body.points, &beam);
-            }
-            turret.fresh = turret.fresh.with(sensor.into());
-            heard(config, body, turret, state, at)
-        }
+    let mut robot = Robot {
+        config,
+        body,
+        turret,
+        state,
+        at,
+    };
+    let was_moving = robot.state.is_moving();
+    let outputs = match event {
+        Event::Echo { sensor, range } => robot.echo(sensor, range),
         Event::Odometry {
             motion,
             moved,
             turned,
             progress,
         } => {
-            let moved = turret.moved(&body.points, moved, turned, progress);
-            let event = Event::Odometry {
+            let moved = robot.moved(moved, turned, progress);
+            robot.control(Event::Odometry {
                 motion,
                 moved,
                 turned: Bearing::ZERO,
                 progress,
-            };
-            let was_moving = state.is_moving();
-            let outputs = controller::handle(config, state, at, event);
-            if was_moving && !state.is_moving() {
-                turret.motion = None;
-                turret.fresh = Mask::NONE;
-            }
-            outputs
+            })
         }
-        Event::Command(_) | Event::Tick | Event::Alarm(_) | Event::Touched => {
-            controller::handle(config, state, at, event)
-        }
-    }
-}
-
-/// Something was heard: under way the guard looks at it, at rest a complete ring is a decision.
-fn heard<
-    const SECTORS: usize,
-    const NEURONS: usize,
-    const SAMPLES: usize,
-    const BEAMS: usize,
-    const POINTS: usize,
->(
-    config: &Config<SECTORS>,
-    body: &BodySpec<BEAMS>,
-    turret: &mut VirtualTurret<SECTORS, POINTS>,
-    state: &mut State<SECTORS, NEURONS, SAMPLES>,
-    at: Millis,
-) -> Outputs<SECTORS> {
-    let is_heard = |beam: usize| !body.enabled.contains(beam) || turret.fresh.contains(beam);
-    let is_complete = (0..BEAMS).all(is_heard);
-    if !state.is_moving() {
-        if !is_complete {
-            return Outputs::NONE;
-        }
-        turret.looks = 0;
-        return decide(config, body, turret, state, at);
-    }
-    if is_complete {
-        turret.fresh = Mask::NONE;
-        let (ring, _) = turret.memory.ring(&body.points);
-        if turret.must_decide_again(&body.points, state.mode(), &ring) {
-            turret.looks = turret.looks.saturating_add(1);
-            state.abandon_motion(at);
-            return decide(config, body, turret, state, at);
-        }
-        // The controller stops a robot whose ring falls silent during a motion.
-        for sector in state.enabled(config).indices(SECTORS) {
-            let range = ring.get(sector).copied().flatten();
-            let sensor = sector as u8;
-            let _ = controller::handle(config, state, at, Event::Echo { sensor, range });
-        }
-    }
-    Outputs {
-        motion: turret.shorten(config.robot.body_radius_mm, body),
-        ..Outputs::NONE
-    }
-}
-
-/// Gives the controller the ring of sectors; its motion goes out in the body's frame.
-fn decide<
-    const SECTORS: usize,
-    const NEURONS: usize,
-    const SAMPLES: usize,
-    const BEAMS: usize,
-    const POINTS: usize,
->(
-    config: &Config<SECTORS>,
-    body: &BodySpec<BEAMS>,
-    turret: &mut VirtualTurret<SECTORS, POINTS>,
-    state: &mut State<SECTORS, NEURONS, SAMPLES>,
-    at: Millis,
-) -> Outputs<SECTORS> {
-    let (ring, known) = turret.memory.ring(&body.points);
-    turret.thought = ring;
-    turret.fresh = Mask::NONE;
-    state.set_visible(known);
-    let mut outputs = Outputs::NONE;
-    for (sector, range) in ring.into_iter().enumerate() {
-        if known.contains(sector) {
-            let sensor = sector as u8;
-            outputs = controller::handle(config, state, at, Event::Echo { sensor, range });
-        }
-    }
-    if let Some(motion) = outputs.motion {
-        outputs.motion = Some(turret.send(config.robot.body_radius_mm, body, motion));
+        Event::Command(_) | Event::Tick | Event::Alarm(_) | Event::Touched => robot.control(event),
+    };
+    if was_moving && !robot.state.is_moving() {
+        robot.turret.motion = None;
+        robot.turret.fresh = Mask::NONE;
     }
     outputs
+}
+
+/// All that an event concerns.
+struct Robot<
+    'a,
+    const SECTORS: usize,
+    const NEURONS: usize,
+    const SAMPLES: usize,
+    const BEAMS: usize,
+    const POINTS: usize,
+> {
+    config: &'a Config<SECTORS>,
+    body: &'a BodySpec<BEAMS>,
+    turret: &'a mut VirtualTurret<SECTORS, POINTS>,
+    state: &'a mut State<SECTORS, NEURONS, SAMPLES>,
+    at: Millis,
+}
+
+impl<
+    const SECTORS: usize,
+    const NEURONS: usize,
+    const SAMPLES: usize,
+    const BEAMS: usize,
+    const POINTS: usize,
+> Robot<'_, SECTORS, NEURONS, SAMPLES, BEAMS, POINTS>
+{
+    fn control(&mut self, event: Event<SECTORS>) -> Outputs<SECTORS> {
+        controller::handle(self.config, self.state, self.at, event)
+    }
+
+    /// A sensor was heard: under way the guard looks at it, at rest a complete ring is a decision.
+    fn echo(&mut self, sensor: u8, range: Option<Range>) -> Outputs<SECTORS> {
+        let Some(mount) = self.body.mounts.get(usize::from(sensor)) else {
+            return Outputs::NONE;
+        };
+        if !self.body.enabled.contains(sensor.into()) {
+            return Outputs::NONE;
+        }
+        self.remember(*mount, range);
+        self.turret.fresh = self.turret.fresh.with(sensor.into());
+        let fresh = self.turret.fresh;
+        let is_complete = self.body.enabled.indices(BEAMS).all(|s| fresh.contains(s));
+        match (self.state.is_moving(), is_complete) {
+            (false, false) => Outputs::NONE,
+            (false, true) => {
+                self.turret.replans = 0;
+                self.decide()
+            }
+            (true, false) => self.shorten(),
+            (true, true) => self.ring_under_way(),
+        }
+    }
+
+    /// Adds what a sensor heard to the points.
+    fn remember(&mut self, mount: Mount, range: Option<Range>) {
+        if self.at.after(self.turret.heard_at) >= FORGET_MS {
+            self.turret.memory.forget();
+        }
+        self.turret.heard_at = self.at;
+        let Some(seen) = range.or(self.body.silence_mm.map(Range::from_mm)) else {
+            return;
+        };
+        let beam = Beam {
+            mount: mount.position,
+            axis: mount.axis,
+            range: seen,
+            is_echo: range.is_some(),
+        };
+        self.turret.memory.hear(&self.body.points, &beam);
+    }
+
+    /// All sensors were heard during a motion.
+    fn ring_under_way(&mut self) -> Outputs<SECTORS> {
+        self.turret.fresh = Mask::NONE;
+        let (ring, _) = self.turret.memory.ring(&self.body.points);
+        if self.must_decide_again(&ring) {
+            self.turret.replans = self.turret.replans.saturating_add(1);
+            self.state.abandon_motion(self.at);
+            return self.decide();
+        }
+        // The controller stops a robot whose ring falls silent during a motion.
+        for sector in self.state.enabled(self.config).indices(SECTORS) {
+            let range = ring.get(sector).copied().flatten();
+            let sensor = sector as u8;
+            let _ = self.control(Event::Echo { sensor, range });
+        }
+        self.shorten()
+    }
+
+    /// Whether a robot that has just turned towards its way sees something that it did not know.
+    /// Random moves are not reconsidered.
+    fn must_decide_again(&self, ring: &[Option<Range>; SECTORS]) -> bool {
+        let turret = &self.turret;
+        let seeks = matches!(self.state.mode(), Mode::Seek { .. });
+        let motion = turret.motion.filter(|motion| turret.faces_way(motion));
+        motion.is_some_and(|motion| {
+            let way = motion.displacement.bearing();
+            seeks && turret.replans < MAX_LOOKS && turret.is_blocked(&self.body.points, way, ring)
+        })
+    }
+
+    /// Gives the controller the ring of sectors; its motion goes out in the body's frame.
+    fn decide(&mut self) -> Outputs<SECTORS> {
+        let (ring, known) = self.turret.memory.ring(&self.body.points);
+        self.turret.last_ring = ring;
+        self.turret.fresh = Mask::NONE;
+        self.state.set_visible(known);
+        let mut outputs = Outputs::NONE;
+        for (sector, range) in ring.into_iter().enumerate() {
+            if known.contains(sector) {
+                let sensor = sector as u8;
+                outputs = self.control(Event::Echo { sensor, range });
+            }
+        }
+        if let Some(wanted) = outputs.motion {
+            let motion = Motion {
+                displacement: self.guarded(wanted.displacement),
+                ..wanted
+            };
+            self.turret.motion = Some(motion);
+            self.turret.is_rolling = false;
+            outputs.motion = Some(self.turret.to_body(motion));
+        }
+        outputs
+    }
+
+    /// As much of a way as the guard allows.
+    fn guarded(&self, way: Displacement) -> Displacement {
+        let Some(margin_mm) = self.body.guard_mm else {
+            return way;
+        };
+        let radius_mm = self.config.robot.body_radius_mm.saturating_add(margin_mm);
+        let free_mm = self.turret.memory.free_mm(way, radius_mm);
+        if free_mm < way.length_mm() {
+            way.with_length(free_mm)
+        } else {
+            way
+        }
+    }
+
+    /// Orders what is left of the motion under way if the guard now allows less than was ordered.
+    fn shorten(&mut self) -> Outputs<SECTORS> {
+        let Some(under_way) = self.turret.motion else {
+            return Outputs::NONE;
+        };
+        let displacement = self.guarded(under_way.displacement);
+        let (ordered_mm, left_mm) = (under_way.displacement.length_mm(), displacement.length_mm());
+        if ordered_mm.saturating_sub(left_mm) <= ROUNDING_MM {
+            return Outputs::NONE;
+        }
+        let motion = Motion {
+            displacement,
+            ..under_way
+        };
+        self.turret.motion = Some(motion);
+        Outputs {
+            motion: Some(self.turret.to_body(motion)),
+            ..Outputs::NONE
+        }
+    }
+
+    /// Takes a report of the base; returns the displacement in the frame of the start.
+    fn moved(&mut self, moved: Displacement, turned: Bearing, progress: Progress) -> Displacement {
+        let turret = &mut *self.turret;
+        let in_frame = moved.rotated(turret.memory.heading().direction());
+        turret.memory.moved(&self.body.points, moved, turned);
+        if let Some(motion) = &mut turret.motion {
+            motion.displacement = motion.displacement.minus(in_frame);
+            turret.is_rolling |= progress == Progress::Moving;
+        }
+        in_frame
+    }
 }
 
 #[cfg(test)]

@@ -188,6 +188,12 @@ impl Direction {
             >> 14
     }
 
+    /// Components of a vector along this direction and to the left of it, in the vector's unit.
+    #[must_use]
+    pub(crate) fn components(self, x: i32, y: i32) -> (i32, i32) {
+        (self.along(x, y), self.along(y, x.wrapping_neg()))
+    }
+
     /// The same angle to the other side.
     #[must_use]
     pub const fn mirrored(self) -> Self {

@@ -12,18 +12,25 @@ use sim::robot::{AnyRobot, Ranges};
 
 /// Rooms that were not used for tuning.
 const FIRST: u64 = 10_000;
-const ROOMS: u64 = 8;
+const ROOMS: u64 = 24;
 
 fn robot(name: &str, has_guard: bool) -> AnyRobot {
     let model = RobotModel::builtin(name).expect("a built-in robot");
     AnyRobot::new(model, Ranges::Nomad, has_guard).expect("at most 16 sensors")
 }
 
-/// Contacts and distance, m, of 300 steps in each room.
-fn drive(robot: &AnyRobot, sonar: SonarModel) -> (u32, f64) {
+/// What 300 steps in each room come to, added up.
+#[derive(Debug, Default)]
+struct Driven {
+    explore_contacts: u32,
+    contacts: u32,
+    distance_m: f64,
+}
+
+fn drive(robot: &AnyRobot, sonar: SonarModel) -> Driven {
     let reports = (FIRST..FIRST + ROOMS).into_par_iter().map(|seed| {
         let setup = Setup {
-            config: Config::recommended(),
+            config: robot.config(Config::recommended()),
             preset: "default".to_owned(),
             behavior: Behavior::Avoid,
             explore_moves: 100,
@@ -38,32 +45,51 @@ fn drive(robot: &AnyRobot, sonar: SonarModel) -> (u32, f64) {
         };
         let world = World::random(seed);
         let episode = run(&world, &setup, |_, _, _| {}).expect("it drives to the end");
-        (episode.report.contacts, episode.report.distance_m)
+        Driven {
+            explore_contacts: episode.report.explore_contacts,
+            contacts: episode.report.contacts,
+            distance_m: episode.report.distance_m,
+        }
     });
-    reports.reduce(|| (0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1))
+    reports.reduce(Driven::default, |sum, one| Driven {
+        explore_contacts: sum.explore_contacts + one.explore_contacts,
+        contacts: sum.contacts + one.contacts,
+        distance_m: sum.distance_m + one.distance_m,
+    })
 }
 
 #[test]
 fn sensors_anywhere_on_the_body_are_enough_to_touch_nothing() {
     for name in ["p3dx", "epuck2", "thymio2"] {
-        let (contacts, distance_m) = drive(&robot(name, false), SonarModel::Ideal);
-        assert_eq!(contacts, 0, "{name}");
-        assert!(distance_m > 500.0, "{name}: {distance_m} m");
+        let driven = drive(&robot(name, false), SonarModel::Ideal);
+        assert_eq!(driven.contacts, 0, "{name}");
+        assert!(driven.distance_m > 1_500.0, "{name}: {driven:?}");
     }
 }
 
 #[test]
 fn with_noise_and_a_guard_they_touch_nothing_either() {
     for name in ["p3dx", "thymio2"] {
-        let (contacts, distance_m) = drive(&robot(name, true), SonarModel::Nomad);
-        assert_eq!(contacts, 0, "{name}");
-        assert!(distance_m > 400.0, "{name}: {distance_m} m");
+        let driven = drive(&robot(name, true), SonarModel::Nomad);
+        assert_eq!(driven.contacts, 0, "{name}");
+        assert!(driven.distance_m > 1_200.0, "{name}: {driven:?}");
+    }
+}
+
+/// Random moves know nothing of goals: only the guard ends them in time.
+#[test]
+fn the_guard_keeps_random_moves_from_touching() {
+    for sonar in [SonarModel::Ideal, SonarModel::Nomad] {
+        let [alone, guarded] =
+            [false, true].map(|has_guard| drive(&robot("p3dx", has_guard), sonar).explore_contacts);
+        assert!(alone > 5, "{sonar:?}: {alone}");
+        assert_eq!(guarded, 0, "{sonar:?}");
     }
 }
 
 /// The control: who is told the wrong places of its sensors runs into things.
 #[test]
 fn scrambled_wires_run_into_things() {
-    let (contacts, _) = drive(&robot("p3dx", false).scrambled(1), SonarModel::Ideal);
-    assert!(contacts > 20, "{contacts} contacts");
+    let driven = drive(&robot("p3dx", false).scrambled(1), SonarModel::Ideal);
+    assert!(driven.contacts > 60, "{driven:?}");
 }

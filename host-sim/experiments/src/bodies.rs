@@ -131,7 +131,10 @@ fn setup(
     seed: u64,
 ) -> Setup {
     Setup {
-        config: trial.config.clone(),
+        config: match robot {
+            None => trial.config.clone(),
+            Some(robot) => robot.config(trial.config.clone()),
+        },
         preset: "default".to_owned(),
         behavior: behavior.clone(),
         explore_moves: trial.explore_moves,

@@ -132,7 +132,7 @@ impl AnyRobot {
 
     /// A length of the Nomad's, mm, scaled to this body.
     fn scaled_mm(&self, nomad_mm: u16) -> u16 {
-        (f64::from(nomad_mm) * self.scale()).round().max(1.0) as u16
+        (f64::from(nomad_mm) * self.scale()).round() as u16
     }
 
     /// Size and limits of the base.
@@ -210,6 +210,8 @@ impl AnyRobot {
                 beyond_mm: self.scaled_mm(nomad.beyond_mm),
                 here_mm: self.scaled_mm(nomad.here_mm),
                 near_mm: self.scaled_mm(nomad.near_mm),
+                replan_within_mm: self.scaled_mm(nomad.replan_within_mm),
+                replan_nearer_mm: self.scaled_mm(nomad.replan_nearer_mm),
                 ..nomad
             },
             silence_mm: self.silence_mm(),

@@ -21,13 +21,14 @@ pub struct TurretController {
 }
 
 impl TurretController {
-    /// A controller of this robot without any knowledge.
+    /// A controller of this robot without any knowledge; `config` is
+    /// [`AnyRobot::config`]'s.
     #[must_use]
     pub fn new(config: Config<16>, robot: &AnyRobot) -> Self {
         let mut state = State::new(Grid::rectangle(4, 4));
         state.expect_open_space(config.open_space);
         Self {
-            config: robot.config(config),
+            config,
             body: robot.body(),
             turret: Box::default(),
             state: Box::new(state),

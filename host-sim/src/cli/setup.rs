@@ -181,8 +181,13 @@ impl SetupArgs {
     /// As [`TaskArgs::whole`].
     pub(super) fn setup(&self) -> Result<Setup, BadInput> {
         let task = &self.task;
+        let robot = self.robot()?;
+        let config = task.config()?;
         Ok(Setup {
-            config: task.config()?,
+            config: match &robot {
+                None => config,
+                Some(robot) => robot.config(config),
+            },
             preset: task.preset.name().to_owned(),
             behavior: task.behavior.clone(),
             explore_moves: task.explore,
@@ -194,7 +199,7 @@ impl SetupArgs {
                 Some(TurretChoice::Held) => TurretMode::Held,
                 Some(TurretChoice::Follow) => TurretMode::Follow,
             },
-            robot: self.robot()?,
+            robot,
             set_down: None,
             faults: self.faults.clone(),
             record: false,

@@ -1,6 +1,7 @@
 //! One echo as an arc: the nearest surface stands somewhere on it.
 
 use super::cone::CONTRADICTIONS;
+use crate::disc::magnitude;
 use crate::scan::Echo;
 use crate::units::{Bearing, Direction, Displacement, Millis, Range};
 
@@ -153,15 +154,11 @@ impl ArcView {
         axis: Direction,
         range_mm: i32,
     ) -> Self {
-        let components = |x: i32, y: i32| {
-            let along = direction.along(x, y);
-            (along, direction.along(y, x.wrapping_neg()))
-        };
         let range_mm = range_mm.min(LONGEST_MM);
-        let (cos, sin) = components(axis.x_q14.into(), axis.y_q14.into());
+        let (cos, sin) = direction.components(axis.x_q14.into(), axis.y_q14.into());
         let reach = |q14: i32| range_mm.wrapping_mul(q14) >> 14;
         Self {
-            face: components(x_mm, y_mm),
+            face: direction.components(x_mm, y_mm),
             reach: (reach(cos), reach(sin)),
             range_mm,
         }
@@ -219,9 +216,4 @@ impl ArcView {
 /// No point of an arc is nearer to the robot than its range less the distance of its face.
 pub(super) const fn nearest_mm(face: (i32, i32), range_mm: i32) -> i32 {
     range_mm.wrapping_sub(magnitude(face.0).wrapping_add(magnitude(face.1)))
-}
-
-/// The amount of a number, one less for those below 0: a single instruction on the chip.
-pub(super) const fn magnitude(value: i32) -> i32 {
-    value ^ (value >> 31)
 }

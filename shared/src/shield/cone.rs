@@ -5,7 +5,8 @@
 //! echo, so a point is dropped after [`CONTRADICTIONS`] of them.
 
 use super::ShieldConfig;
-use super::arc::{Arc, ArcView, BEFORE, LobeShape, POINTS, magnitude, nearest_mm};
+use super::arc::{Arc, ArcView, BEFORE, LobeShape, POINTS, nearest_mm};
+use crate::disc::magnitude;
 use crate::scan::Echo;
 use crate::units::{Direction, Displacement, Millis, Range};
 

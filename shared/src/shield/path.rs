@@ -2,9 +2,10 @@
 //! margin.
 
 use super::ShieldConfig;
-use super::arc::{Arc, ArcView, BEFORE, LobeShape, magnitude, nearest_mm};
+use super::arc::{Arc, ArcView, BEFORE, LobeShape, nearest_mm};
 use crate::config::Config;
-use crate::fixed::{Mask, isqrt_u32};
+use crate::disc::{direction_of, until_contact};
+use crate::fixed::Mask;
 use crate::units::{Direction, Displacement, Millis, Range};
 
 /// The straight path of a motion.
@@ -29,11 +30,7 @@ impl<'a> StraightPath<'a> {
         length: i32,
         now: Millis,
     ) -> Self {
-        let unit = |mm: i16| crate::units::div_round(i32::from(mm) << 14, length.max(1)) as i16;
-        let direction = Direction {
-            x_q14: unit(wanted.dx_mm),
-            y_q14: unit(wanted.dy_mm),
-        };
+        let direction = direction_of(wanted, length);
         Self {
             limits,
             direction,
@@ -135,21 +132,7 @@ impl<'a> StraightPath<'a> {
 
     /// Distance until the body would come within the margin of a point along the way and aside of
     /// it.
-    pub(super) fn until_point(&self, (along, aside): (i32, i32), limit: i32) -> i32 {
-        let reach = self.reach_mm;
-        let beyond = along.wrapping_sub(limit);
-        if along <= 0 || magnitude(aside) >= reach || beyond >= reach {
-            return limit;
-        }
-        let squared = reach
-            .wrapping_mul(reach)
-            .wrapping_sub(aside.wrapping_mul(aside))
-            .max(0);
-        // A quick test without a root: most points lie beyond the limit.
-        if beyond >= 0 && beyond.wrapping_mul(beyond) >= squared {
-            return limit;
-        }
-        let half_chord = isqrt_u32(squared.unsigned_abs());
-        along.wrapping_sub(half_chord as i32).max(0).min(limit)
+    pub(super) fn until_point(&self, point: (i32, i32), limit: i32) -> i32 {
+        until_contact(point, self.reach_mm, limit)
     }
 }

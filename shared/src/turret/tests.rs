@@ -231,7 +231,7 @@ fn a_robot_that_seeks_decides_again_before_it_rolls_at_most_three_times() {
 }
 
 #[test]
-fn unknown_sensors_are_ignored_and_all_is_forgotten_on_request() {
+fn unknown_sensors_are_ignored() {
     let mut rig = Rig::new(ring_body(None));
     let outputs = rig.handle(Event::Echo {
         sensor: 99,
@@ -239,8 +239,39 @@ fn unknown_sensors_are_ignored_and_all_is_forgotten_on_request() {
     });
     assert_eq!(outputs, Outputs::NONE);
     assert!(rig.turret.memory().is_empty());
-    rig.hear([Some(900); 16]);
-    assert_eq!(rig.turret.memory().len(), 16);
-    rig.turret.forget();
-    assert_eq!(rig.turret, VirtualTurret::new());
+}
+
+#[test]
+fn points_are_forgotten_after_ten_minutes_of_silence() {
+    for (silence_ms, left) in [(599_000, 17), (601_000, 1)] {
+        let mut rig = Rig::new(ring_body(None));
+        rig.hear([Some(900); 16]);
+        assert_eq!(rig.turret.memory().len(), 16);
+        rig.ms += silence_ms;
+        let _ = rig.handle(Event::Echo {
+            sensor: 0,
+            range: Some(Range::from_mm(800)),
+        });
+        assert_eq!(rig.turret.memory().len(), left, "{silence_ms} ms");
+    }
+}
+
+/// A robot that stops during a motion listens to all its sensors again before it decides.
+#[test]
+fn after_a_stop_a_whole_ring_is_heard_again() {
+    let mut rig = Rig::new(ring_body(None));
+    rig.command(Command::Explore { moves: 9, seed: 5 });
+    assert!(rig.hear([Some(900); 16]).is_some());
+    for sensor in 0..15 {
+        let range = Some(Range::from_mm(900));
+        let _ = rig.handle(Event::Echo { sensor, range });
+    }
+    rig.command(Command::Stop);
+    rig.command(Command::Explore { moves: 9, seed: 5 });
+    let last = Event::Echo {
+        sensor: 15,
+        range: Some(Range::from_mm(900)),
+    };
+    assert_eq!(rig.handle(last).motion, None);
+    assert!(rig.hear([Some(900); 16]).is_some());
 }

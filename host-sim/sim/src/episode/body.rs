@@ -24,6 +24,7 @@ use arena::sonar::{FIRING_ORDER, FIRING_SLOT_S, RING_PERIOD_S, Ring, SonarModel,
 use arena::world::{Point, Pose, World};
 use odometer::Odometer;
 use std::borrow::Cow;
+use std::sync::Arc;
 use step_result::collision;
 use units::meters;
 
@@ -36,7 +37,7 @@ pub struct Body<'w> {
     limits: BaseLimits,
     turret: TurretMode,
     /// The robot, if it is not the Nomad.
-    robot: Option<AnyRobot>,
+    robot: Option<Arc<AnyRobot>>,
     ring: Ring,
     noise: Noise,
     time_s: f64,
@@ -125,8 +126,8 @@ impl<'w> Body<'w> {
         let mut result = match (&self.robot, is_ideal) {
             (None, true) => self.ideal_ring(pilot),
             (None, false) => self.firing_slot(pilot),
-            (Some(robot), true) => self.ideal_step(pilot, &robot.clone()),
-            (Some(robot), false) => self.timed_step(pilot, &robot.clone()),
+            (Some(robot), true) => self.ideal_step(pilot, &Arc::clone(robot)),
+            (Some(robot), false) => self.timed_step(pilot, &Arc::clone(robot)),
         };
         self.tick(pilot, &mut result);
         let way = self.base.pose().position - before;

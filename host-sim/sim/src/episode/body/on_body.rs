@@ -10,6 +10,7 @@ use arena::robot::{Base, Executed};
 use arena::sonar::{Ring, SonarModel};
 use arena::world::{Point, World};
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// With the ideal sonars the robot listens each time it has turned by this angle, rad: 15°.
 const LISTEN_RAD: f64 = std::f64::consts::PI / 12.0;
@@ -36,7 +37,7 @@ impl<'w> Body<'w> {
             base: Base::new(start, limits, turret),
             limits,
             turret,
-            robot: Some(robot.clone()),
+            robot: Some(Arc::new(robot.clone())),
             ring,
             noise,
             odometer: Odometer::new(start),
