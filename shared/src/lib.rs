@@ -85,6 +85,7 @@ struct Readme;
 
 pub mod action_map;
 mod arrays;
+pub mod calibration;
 #[cfg(feature = "store")]
 mod checksum;
 pub mod config;

@@ -6,9 +6,10 @@ use arena::sonar::SonarModel;
 use arena::world::World;
 use rayon::prelude::*;
 use sim::behavior::Behavior;
-use sim::episode::{EpisodeReport, Setup, run};
+use sim::episode::{Episode, Setup, run};
 use sim::error::EpisodeError;
 use sim::robot::AnyRobot;
+use sim::statistics::median;
 
 /// Which generator makes the worlds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,6 +73,9 @@ pub struct BodyOutcome {
     pub distance_m: f64,
     /// Mean error of the distance to a wall on the right, m.
     pub wall_error_m: f64,
+    /// Median over the worlds of the median and of the greatest error of the sensors' bearings,
+    /// degrees, where they were learned.
+    pub bearing_errors_deg: Option<[f64; 2]>,
 }
 
 impl BodyOutcome {
@@ -98,21 +102,31 @@ pub fn measure(
 ) -> BodyOutcome {
     let drive = |behavior: Behavior| {
         let seeds = trial.first..trial.first + u64::from(trial.worlds);
-        let reports: Vec<Result<EpisodeReport, EpisodeError>> = seeds
+        let episodes: Vec<Result<Episode, EpisodeError>> = seeds
             .into_par_iter()
             .map(|seed| {
                 let setup = setup(robot, sonar, trial, &behavior, seed);
                 let episode = run(&trial.generator.world(seed), &setup, |_, _, _| {});
                 done();
-                episode.map(|episode| episode.report)
+                episode
             })
             .collect();
-        reports
+        episodes
     };
     let avoiding = drive(Behavior::Avoid);
-    let reports: Vec<_> = avoiding.iter().flatten().collect();
+    let episodes: Vec<_> = avoiding.iter().flatten().collect();
+    let reports: Vec<_> = episodes.iter().map(|episode| &episode.report).collect();
     let along_walls = drive(Behavior::WallRight);
-    let errors: Vec<_> = along_walls.iter().flatten().map(|r| r.success).collect();
+    let errors: Vec<_> = along_walls
+        .iter()
+        .flatten()
+        .map(|episode| episode.report.success)
+        .collect();
+    let bearing_errors = |which: usize| {
+        let errors = episodes.iter().filter_map(|e| e.bearing_errors_deg);
+        let errors: Vec<_> = errors.map(|errors| errors[which]).collect();
+        (!errors.is_empty()).then(|| median(errors))
+    };
     BodyOutcome {
         worlds: avoiding.len(),
         clean: reports.iter().filter(|report| report.contacts == 0).count(),
@@ -120,6 +134,9 @@ pub fn measure(
         contacts: reports.iter().map(|report| report.contacts).sum(),
         distance_m: reports.iter().map(|report| report.distance_m).sum(),
         wall_error_m: errors.iter().sum::<f64>() / errors.len().max(1) as f64,
+        bearing_errors_deg: bearing_errors(0)
+            .zip(bearing_errors(1))
+            .map(<[f64; 2]>::from),
     }
 }
 

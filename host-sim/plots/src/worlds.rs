@@ -88,9 +88,9 @@ fn small(svg: &mut Svg, [x, y]: [f64; 2], [side, height]: [f64; 2], world: &Worl
     svg.text([x, y + height + 37.0], Font::new(11.0).color(GRAY), &meters);
     scene::scale_bar(
         svg,
-        [x + side * 0.5, y + height + 33.0],
+        [x + side * 0.58, y + height + 33.0],
         view.scale,
-        side * 0.5 - 36.0,
+        side * 0.42 - 36.0,
     );
 }
 

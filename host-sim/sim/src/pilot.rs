@@ -69,6 +69,11 @@ pub trait Pilot {
     fn failure(&self) -> Option<EpisodeError> {
         None
     }
+
+    /// Random moves left while it learns where its sensors look; `None` when it knows.
+    fn calibration_moves_left(&self) -> Option<u16> {
+        None
+    }
 }
 
 /// A pilot whose maps can be read.
@@ -91,6 +96,10 @@ impl<P: Pilot> Pilot for &mut P {
 
     fn failure(&self) -> Option<EpisodeError> {
         (**self).failure()
+    }
+
+    fn calibration_moves_left(&self) -> Option<u16> {
+        (**self).calibration_moves_left()
     }
 }
 

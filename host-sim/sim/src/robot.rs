@@ -1,5 +1,6 @@
 //! Robots other than the Nomad: a model, and what its sensors can tell.
 
+use amp::calibration::BabbleLimits;
 use amp::config::{Config, Exploration};
 use amp::fixed::Mask;
 use amp::points::PointLimits;
@@ -41,6 +42,28 @@ impl FromStr for Ranges {
     }
 }
 
+/// Whether the controller is told where its sensors look.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Geometry {
+    /// It is told.
+    #[default]
+    Known,
+    /// It learns that from its random moves.
+    Learned,
+}
+
+impl FromStr for Geometry {
+    type Err = BadInput;
+
+    fn from_str(text: &str) -> Result<Self, BadInput> {
+        match text {
+            "known" => Ok(Self::Known),
+            "learned" => Ok(Self::Learned),
+            _ => Err(BadInput::unknown("geometry", text, &["known", "learned"])),
+        }
+    }
+}
+
 /// A robot whose sensors stand anywhere on its body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AnyRobot {
@@ -49,12 +72,17 @@ pub struct AnyRobot {
     /// Distance that the guard keeps to everything seen, as a share of the body's radius; `None` =
     /// no guard.
     guard: Option<f64>,
-    /// Which sensor the controller takes each one for.
+    /// Which sensor is wired to each input of the controller.
     wires: Vec<usize>,
+    geometry: Geometry,
 }
 
 /// Distance that the guard keeps, as a share of the body's radius: 90 mm for the Nomad.
 const GUARD: f64 = 0.09 / COLLISION_RADIUS_M;
+/// Share of the random moves that teach where the sensors look, %.
+const CALIBRATION_PERCENT: u32 = 40;
+/// Distance from the body that a random move leaves meanwhile, mm of the Nomad's.
+const BABBLE_MARGIN_MM: u16 = 30;
 /// A holonomic base moves any way at once: its wheels turn this fast, rad/s.
 const AT_ONCE_RAD_S: f64 = 1e3;
 /// Turns of a differential drive with the Nomad's body, rad/s.
@@ -83,6 +111,7 @@ impl AnyRobot {
             ranges,
             guard,
             wires: (0..count).collect(),
+            geometry: Geometry::Known,
         })
     }
 
@@ -96,16 +125,92 @@ impl AnyRobot {
         self
     }
 
+    /// The same robot, told where its sensors look or not.
+    ///
+    /// # Errors
+    /// A geometry to be learned by a robot that does not turn: sensors are told apart by turning.
+    pub fn with_geometry(mut self, geometry: Geometry) -> Result<Self, BadInput> {
+        if geometry == Geometry::Learned && !self.turns() {
+            return Err(BadInput::new(format!(
+                "robot \"{}\": its sensors do not turn; learning where they look needs that",
+                self.model.name
+            )));
+        }
+        self.geometry = geometry;
+        Ok(self)
+    }
+
+    /// Whether the controller is told where its sensors look.
+    #[must_use]
+    pub fn geometry(&self) -> Geometry {
+        self.geometry
+    }
+
+    /// Of so many random moves those that teach where the sensors look; the others teach the maps.
+    #[must_use]
+    pub fn calibration_moves(&self, moves: u16) -> u16 {
+        match self.geometry {
+            Geometry::Known => 0,
+            Geometry::Learned => (u32::from(moves) * CALIBRATION_PERCENT / 100) as u16,
+        }
+    }
+
+    /// How the robot moves while it learns where its sensors look.
+    #[must_use]
+    pub fn babble_limits(&self, config: &Config<16>) -> BabbleLimits {
+        BabbleLimits {
+            enabled: self.body().enabled,
+            longest_mm: config.robot.step_mm,
+            margin_mm: config
+                .robot
+                .body_radius_mm
+                .saturating_sub(config.robot.face_radius_mm)
+                + self.scaled_mm(BABBLE_MARGIN_MM),
+            speed_mm_s: config.robot.speed_mm_s,
+        }
+    }
+
+    /// The body with its sensors where they were found to look; those that were not are not used.
+    #[must_use]
+    pub fn learned_body(&self, bearings: &[Option<Bearing>; MAX_BEAMS]) -> BodySpec<MAX_BEAMS> {
+        let mut body = self.body();
+        let face_mm = body.points.face_radius_mm.into();
+        body.enabled = Mask::NONE;
+        for (sensor, (mount, bearing)) in body.mounts.iter_mut().zip(bearings).enumerate() {
+            if let Some(axis) = *bearing {
+                let position = Displacement::along(axis, face_mm);
+                *mount = Mount { position, axis };
+                body.enabled = body.enabled.with(sensor);
+            }
+        }
+        body
+    }
+
+    /// Median and greatest error of learned bearings, degrees; `None` if none was learned.
+    #[must_use]
+    pub fn bearing_errors_deg(&self, body: &BodySpec<MAX_BEAMS>) -> Option<[f64; 2]> {
+        let exact = self.mounts().into_iter().enumerate();
+        let mut errors: Vec<f64> = exact
+            .filter(|(sensor, _)| body.enabled.contains(*sensor))
+            .map(|(sensor, (_, exact_rad))| {
+                let error = body.mounts[sensor].axis.minus(bearing(exact_rad));
+                f64::from(error.as_signed_turns()).abs() * 360.0 / 65_536.0
+            })
+            .collect();
+        errors.sort_by(f64::total_cmp);
+        Some([*errors.get(errors.len() / 2)?, *errors.last()?])
+    }
+
     /// The robot; with [`Ranges::Nomad`] on the Nomad's body.
     #[must_use]
     pub fn model(&self) -> &RobotModel {
         &self.model
     }
 
-    /// Position, m, and bearing, rad, of each sensor.
+    /// Position, m, and bearing, rad, of the sensor at each input of the controller.
     #[must_use]
     pub fn mounts(&self) -> Vec<(Point, f64)> {
-        let sensors = self.model.sensors.iter();
+        let sensors = self.wires.iter().map(|wire| &self.model.sensors[*wire]);
         sensors.map(|s| (s.position, s.bearing_rad)).collect()
     }
 
@@ -188,10 +293,7 @@ impl AnyRobot {
     pub fn body(&self) -> BodySpec<MAX_BEAMS> {
         let mut mounts = [Mount::default(); MAX_BEAMS];
         let mut enabled = Mask::NONE;
-        for (index, (mount, wire)) in mounts.iter_mut().zip(&self.wires).enumerate() {
-            let Some(sensor) = self.model.sensors.get(*wire) else {
-                continue;
-            };
+        for (index, (mount, sensor)) in mounts.iter_mut().zip(&self.model.sensors).enumerate() {
             let mm = |m: f64| (m * 1e3).round() as i32;
             *mount = Mount {
                 position: Displacement::saturating(mm(sensor.position.x), mm(sensor.position.y)),
@@ -314,12 +416,13 @@ mod tests {
         assert_eq!(one, plain.clone().scrambled(1));
         assert!(one != other && one != plain);
         let sorted = |robot: &AnyRobot| {
-            let mut axes = robot.body().mounts.map(|mount| mount.axis.as_turns());
+            let mounts = robot.mounts().into_iter();
+            let mut axes: Vec<_> = mounts.map(|(_, rad)| bearing(rad).as_turns()).collect();
             axes.sort_unstable();
             axes
         };
         assert_eq!(sorted(&one), sorted(&plain));
-        assert_eq!(one.mounts(), plain.mounts());
+        assert_eq!(one.body(), plain.body());
     }
 
     #[test]

@@ -10,7 +10,7 @@ use clap::{Args, ValueEnum};
 use experiments::bodies::{BodyOutcome, BodyTrial, Generator, measure};
 use files::error::BadInput;
 use sim::pilot::MAX_MOVES;
-use sim::robot::{AnyRobot, Ranges};
+use sim::robot::{AnyRobot, Geometry, Ranges};
 use std::io::Write;
 
 /// Flags of the `bodies` command.
@@ -28,6 +28,13 @@ pub struct BodiesArgs {
     /// What the robots have: everything their own, or their layout and drive on the Nomad's body
     #[arg(long, value_name = "own|nomad", default_value = "nomad", value_parser = parsed::<Ranges>)]
     ranges: Ranges,
+    /// Whether the robots are told where their sensors look, or learn that from the first two
+    /// fifths of their random moves
+    #[arg(long, value_name = "known|learned", default_value = "known", value_parser = parsed::<Geometry>)]
+    geometry: Geometry,
+    /// Permute the wires of the sensors; the controller is not told
+    #[arg(long, value_name = "SEED")]
+    scramble: Option<u64>,
     /// Generator of the worlds
     #[arg(long, value_name = "NAME", default_value = "random", value_enum)]
     generator: GeneratorChoice,
@@ -60,7 +67,7 @@ enum GeneratorChoice {
 /// The Nomad's ring on its held turret.
 const RING: &str = "ring";
 
-const HEADS: [&str; 8] = [
+const HEADS: [&str; 9] = [
     "robot",
     "sensors",
     "limited by",
@@ -68,6 +75,7 @@ const HEADS: [&str; 8] = [
     "contacts per km",
     "distance, m",
     "wall error, m",
+    "bearing error, degrees: median, worst",
     "stopped",
 ];
 
@@ -97,7 +105,7 @@ pub fn bodies(args: &BodiesArgs, out: &mut impl Write) -> Result<(), CliError> {
     } else {
         table::plain
     };
-    out.write_all(format(&HEADS, &rows, &[3, 4, 5, 6, 7]).as_bytes())?;
+    out.write_all(format(&HEADS, &rows, &[3, 4, 5, 6, 7, 8]).as_bytes())?;
     Ok(writeln!(
         out,
         "\n{} worlds of {} from {} on, {} random moves and {} steps of each behavior; {}.",
@@ -122,9 +130,15 @@ fn robots(args: &BodiesArgs) -> Result<NamedRobots, BadInput> {
             return Ok((name.clone(), [None, None]));
         }
         let model = RobotModel::find(name)?;
-        let alone = AnyRobot::new(model.clone(), args.ranges, false)?;
-        let guarded = AnyRobot::new(model, args.ranges, true)?;
-        Ok((name.clone(), [Some(alone), Some(guarded)]))
+        let built = |has_guard| {
+            let robot = AnyRobot::new(model.clone(), args.ranges, has_guard)?
+                .with_geometry(args.geometry)?;
+            Ok(Some(match args.scramble {
+                None => robot,
+                Some(seed) => robot.scrambled(seed),
+            }))
+        };
+        Ok((name.clone(), [built(false)?, built(true)?]))
     };
     args.robots.iter().map(robot).collect()
 }
@@ -167,6 +181,10 @@ fn row(name: &str, sonar: SonarModel, has_guard: bool, outcome: &BodyOutcome) ->
         driven(format!("{:.2}", outcome.contacts_per_km())),
         driven(format!("{:.0}", outcome.distance_m / drove as f64)),
         driven(format!("{:.2}", outcome.wall_error_m)),
+        match outcome.bearing_errors_deg {
+            None => "–".to_owned(),
+            Some([median, worst]) => format!("{median:.1}, {worst:.1}"),
+        },
         outcome.stopped.to_string(),
     ]
 }

@@ -10,7 +10,7 @@ use files::error::BadInput;
 use sim::behavior::Behavior;
 use sim::episode::Setup;
 use sim::pilot::MAX_MOVES;
-use sim::robot::{AnyRobot, Ranges};
+use sim::robot::{AnyRobot, Geometry, Ranges};
 use sim::settings;
 
 /// Flags for a robot's behavior and its controller's options.
@@ -64,6 +64,10 @@ pub struct SetupArgs {
     /// Nomad's body, with the Nomad's range and cone
     #[arg(long, value_name = "own|nomad", default_value = "own", value_parser = parsed::<Ranges>)]
     ranges: Ranges,
+    /// Whether another robot is told where its sensors look, or learns that from the first two
+    /// fifths of its random moves
+    #[arg(long, value_name = "known|learned", default_value = "known", value_parser = parsed::<Geometry>)]
+    geometry: Geometry,
     /// Permute the wires of another robot's sensors; the controller is not told
     #[arg(long, value_name = "SEED")]
     scramble: Option<u64>,
@@ -154,11 +158,14 @@ impl SetupArgs {
     /// An unknown robot or a bad file; a turret for a robot that has none.
     fn robot(&self) -> Result<Option<AnyRobot>, BadInput> {
         if self.robot == NOMAD && self.ranges == Ranges::Own {
-            return match self.scramble {
-                None => Ok(None),
-                Some(_) => Err(BadInput::new(format!(
-                    "--scramble: only with another robot than {NOMAD}"
-                ))),
+            let only_others = |flag| {
+                let text = format!("--{flag}: only with another robot than {NOMAD}");
+                Err(BadInput::new(text))
+            };
+            return match (self.scramble, self.geometry) {
+                (None, Geometry::Known) => Ok(None),
+                (Some(_), _) => only_others("scramble"),
+                (None, Geometry::Learned) => only_others("geometry"),
             };
         }
         if self.turret.is_some() {
@@ -168,7 +175,8 @@ impl SetupArgs {
             )));
         }
         let model = RobotModel::find(&self.robot)?;
-        let robot = AnyRobot::new(model, self.ranges, self.task.shield == Switch::On)?;
+        let robot = AnyRobot::new(model, self.ranges, self.task.shield == Switch::On)?
+            .with_geometry(self.geometry)?;
         Ok(Some(match self.scramble {
             None => robot,
             Some(seed) => robot.scrambled(seed),

@@ -10,6 +10,7 @@ use crate::behavior::Behavior;
 use crate::error::EpisodeError;
 use crate::pilot::{InspectableController, LocalController, Pilot};
 use crate::recording::Recording;
+use crate::robot::Geometry;
 use crate::turret_pilot::TurretController;
 use amp::controller::{Command, Decision, Event};
 use amp::fixed::Weight;
@@ -41,6 +42,8 @@ pub struct Episode {
     pub report: EpisodeReport,
     /// Every step, if they were recorded.
     pub recording: Option<Recording>,
+    /// Median and greatest error of the sensors' bearings, degrees, where they were learned.
+    pub bearing_errors_deg: Option<[f64; 2]>,
 }
 
 /// Runs a whole episode. `progress` is called with the phase, the number of steps done and the
@@ -59,8 +62,18 @@ pub fn run(
             run_with(world, setup, &mut controller, progress)
         }
         Some(robot) => {
-            let mut controller = TurretController::new(setup.config.clone(), robot);
-            run_with(world, setup, &mut controller, progress)
+            let mut controller = match setup.calibration_moves() {
+                0 => TurretController::new(setup.config.clone(), robot),
+                moves => {
+                    let seed = Seeds::of(setup.seed).exploration.wrapping_add(1);
+                    TurretController::babbling(setup.config.clone(), robot, moves, seed)
+                }
+            };
+            let mut episode = run_with(world, setup, &mut controller, progress)?;
+            if robot.geometry() == Geometry::Learned {
+                episode.bearing_errors_deg = robot.bearing_errors_deg(controller.body());
+            }
+            Ok(episode)
         }
     }
 }
@@ -105,7 +118,11 @@ pub fn run_observed<'w>(
         }
         None => None,
     };
-    Ok(Episode { report, recording })
+    Ok(Episode {
+        report,
+        recording,
+        bearing_errors_deg: None,
+    })
 }
 
 /// Makes a controller explore and learn; returns the runner and the metrics of the random moves.
@@ -125,11 +142,13 @@ pub(super) fn explored<'w>(
     let mut runner = EpisodeRunner::new(world, body, setup.record);
     runner.observer = observer;
 
-    let moves = u32::from(setup.explore_moves);
+    runner.calibrate(controller)?;
+    let explore_moves = setup.explore_moves - setup.calibration_moves();
+    let moves = u32::from(explore_moves);
     runner.command(
         controller,
         Command::Explore {
-            moves: setup.explore_moves,
+            moves: explore_moves,
             seed: seeds.exploration,
         },
     )?;
@@ -249,6 +268,27 @@ impl<'w> EpisodeRunner<'w> {
         let outputs = controller.handle(self.body.now(), Event::Command(command));
         let refused = outputs.refusal.map(EpisodeError::Refused);
         controller.failure().or(refused).map_or(Ok(()), Err)
+    }
+
+    /// Drives until the pilot knows where its sensors look. Each of its moves is a step.
+    fn calibrate(&mut self, pilot: &mut impl Pilot) -> Result<(), EpisodeError> {
+        let mut last = pilot.calibration_moves_left();
+        let mut moved_s = self.body.time_s();
+        while let Some(left) = pilot.calibration_moves_left() {
+            let result = self.body.advance(pilot);
+            if last != Some(left) {
+                self.close();
+                (last, moved_s) = (Some(left), self.body.time_s());
+            }
+            self.open.get_or_insert_default();
+            self.follow(&result);
+            let silent_s = f64::from(Self::MAX_SILENT_RINGS) * self.body.ring_s();
+            if self.body.time_s() - moved_s > silent_s {
+                return Err(EpisodeError::Silent);
+            }
+        }
+        self.close();
+        Ok(())
     }
 
     fn learn(&mut self, controller: &mut impl Pilot) -> Result<(), EpisodeError> {

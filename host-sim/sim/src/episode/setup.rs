@@ -37,6 +37,13 @@ pub struct Setup {
 }
 
 impl Setup {
+    /// Random moves that teach where the sensors look; the others teach the maps.
+    #[must_use]
+    pub fn calibration_moves(&self) -> u16 {
+        let robot = self.robot.as_ref();
+        robot.map_or(0, |robot| robot.calibration_moves(self.explore_moves))
+    }
+
     /// The same with another behavior.
     #[must_use]
     pub fn pursuing(self, behavior: Behavior) -> Self {

@@ -1,0 +1,222 @@
+//! The bearings that make readings after turns most alike.
+
+use super::{BINS, Calibration, Slope, place};
+use crate::fixed::Mask;
+use crate::units::Bearing;
+use micromath::F32Ext;
+
+/// Sensors that the growth of a solution starts from, at most.
+const STARTS: usize = 6;
+/// Rounds in which each sensor takes its best bearing, the others as they are.
+const SWEEPS: usize = 6;
+/// Rounds of reweighted least squares.
+const FITS: usize = 10;
+/// Weights of a bin and its neighbors, tenths.
+const SMOOTH: [u32; 5] = [2, 7, 10, 7, 2];
+
+impl<const BEAMS: usize> Calibration<BEAMS> {
+    /// Bearing of each sensor, from the body's front; `None` = dead.
+    #[must_use]
+    pub fn solve(&self) -> [Option<Bearing>; BEAMS] {
+        let alive = self.alive();
+        let costs = Costs::of(self);
+        let live = || alive.indices(BEAMS);
+        let mut best: Option<(i32, [Option<Bearing>; BEAMS])> = None;
+        for first in live().take(STARTS) {
+            let mut bearings = costs.grow(alive, first);
+            for _ in 0..SWEEPS {
+                for sensor in live() {
+                    costs.improve(&mut bearings, sensor);
+                }
+            }
+            let total = live().fold(0_i32, |sum, sensor| {
+                let own = bearings.get(sensor).copied().flatten();
+                sum.saturating_add(own.map_or(0, |own| costs.at(&bearings, sensor, own)))
+            });
+            if best.is_none_or(|(least, _)| total < least) {
+                best = Some((total, bearings));
+            }
+        }
+        let bearings = best.map_or([None; BEAMS], |(_, bearings)| bearings);
+        let ahead = ahead(&self.slopes, &bearings);
+        bearings.map(|bearing| bearing.map(|bearing| bearing.plus(ahead)))
+    }
+}
+
+/// How unlike two sensors' readings are, less their average over all turns.
+struct Costs<'a, const BEAMS: usize> {
+    calibration: &'a Calibration<BEAMS>,
+    means: [[u16; BEAMS]; BEAMS],
+}
+
+impl<'a, const BEAMS: usize> Costs<'a, BEAMS> {
+    fn of(calibration: &'a Calibration<BEAMS>) -> Self {
+        let mut costs = Self {
+            calibration,
+            means: [[0; BEAMS]; BEAMS],
+        };
+        for before in 0..BEAMS {
+            for after in 0..BEAMS {
+                let mean = costs.weighted((before, after), (0..BINS).map(|bin| (bin, 1)), (0, 0));
+                if let Some(cell) = costs
+                    .means
+                    .get_mut(before)
+                    .and_then(|row| row.get_mut(after))
+                {
+                    *cell = mean;
+                }
+            }
+        }
+        costs
+    }
+
+    /// Mean of some bins, weighted by their comparisons; `start` is a sum and a weight to begin
+    /// with.
+    fn weighted(
+        &self,
+        pair: (usize, usize),
+        bins: impl Iterator<Item = (usize, u32)>,
+        start: (u32, u32),
+    ) -> u16 {
+        let (sum, weight) = bins.fold(start, |(sum, weight), (bin, share)| {
+            let (before, after, bin) = place(pair, bin % BINS);
+            let row = self.calibration.unlike.get(before);
+            let cell = row.and_then(|row| row.get(after)?.get(bin));
+            cell.map_or((sum, weight), |cell| {
+                let count = u32::from(cell.count()).wrapping_mul(share);
+                let part = u32::from(cell.mean()).wrapping_mul(count);
+                (sum.wrapping_add(part), weight.wrapping_add(count))
+            })
+        });
+        sum.checked_div(weight).unwrap_or(0) as u16
+    }
+
+    /// Of a bin, smoothed over its neighbors; a bin without comparisons costs the average.
+    fn smoothed(&self, (before, after): (usize, usize), bin: usize) -> i32 {
+        let mean = self.means.get(before).and_then(|row| row.get(after));
+        let mean = mean.copied().unwrap_or(0);
+        let bins = SMOOTH
+            .into_iter()
+            .enumerate()
+            .map(|(offset, share)| ((bin + BINS + offset - 2) % BINS, share));
+        let start = (u32::from(mean).wrapping_mul(6), 6);
+        i32::from(self.weighted((before, after), bins, start)) - i32::from(mean)
+    }
+
+    /// Of two sensors whose bearings differ by a turn.
+    fn between(&self, pair: (usize, usize), turn: Bearing) -> i32 {
+        // Bins have their values in their middles.
+        let position = turn.as_turns().wrapping_sub(1 << 9);
+        let (bin, within) = (usize::from(position >> 10), i32::from(position & 1_023));
+        let (low, high) = (self.smoothed(pair, bin), self.smoothed(pair, bin + 1));
+        low + (((high - low) * within) >> 10)
+    }
+
+    /// Of a sensor with this bearing and all others that have one.
+    fn at(&self, bearings: &[Option<Bearing>; BEAMS], sensor: usize, bearing: Bearing) -> i32 {
+        let others = bearings.iter().enumerate();
+        let others = others.filter(|(other, _)| *other != sensor);
+        others.fold(0, |sum, (other, known)| {
+            // At a heading h sensor i looks along h + b_i; after a turn φ sensor j looks there if
+            // b_i = b_j + φ.
+            let cost = known.map_or(0, |known| {
+                self.between((sensor, other), bearing.minus(known))
+            });
+            sum.saturating_add(cost)
+        })
+    }
+
+    /// Best bearing of a sensor among so many, and its cost.
+    fn best(
+        &self,
+        bearings: &[Option<Bearing>; BEAMS],
+        sensor: usize,
+        count: usize,
+    ) -> (i32, Bearing) {
+        let candidates = (0..count).map(|index| {
+            let bearing = Bearing::of_place(index, count);
+            (self.at(bearings, sensor, bearing), bearing)
+        });
+        let first = (i32::MAX, Bearing::ZERO);
+        candidates.fold(first, |best, one| if one.0 < best.0 { one } else { best })
+    }
+
+    /// Bearings relative to the first sensor's; the surest sensor is placed next.
+    fn grow(&self, alive: Mask, first: usize) -> [Option<Bearing>; BEAMS] {
+        let mut bearings = [None; BEAMS];
+        if let Some(own) = bearings.get_mut(first) {
+            *own = Some(Bearing::ZERO);
+        }
+        for _ in alive.indices(BEAMS).skip(1) {
+            let open = alive.indices(BEAMS).filter(|sensor| {
+                let known = bearings.get(*sensor).copied().flatten();
+                known.is_none()
+            });
+            let mut next: Option<(i32, usize, Bearing)> = None;
+            for sensor in open {
+                let (cost, bearing) = self.best(&bearings, sensor, BINS);
+                if next.is_none_or(|(least, ..)| cost < least) {
+                    next = Some((cost, sensor, bearing));
+                }
+            }
+            let Some((_, sensor, bearing)) = next else {
+                break;
+            };
+            if let Some(own) = bearings.get_mut(sensor) {
+                *own = Some(bearing);
+            }
+        }
+        bearings
+    }
+
+    /// Gives a sensor its best bearing, the others as they are.
+    fn improve(&self, bearings: &mut [Option<Bearing>; BEAMS], sensor: usize) {
+        let (_, bearing) = self.best(bearings, sensor, 8 * BINS);
+        if let Some(own) = bearings.get_mut(sensor) {
+            *own = Some(bearing);
+        }
+    }
+}
+
+/// By how much all bearings are to be turned so that the body's front is at 0. Along a straight
+/// move of l a range changes by −l cos b: least squares for the cosine and sine of the turn, where
+/// what fits badly counts less from round to round.
+fn ahead<const BEAMS: usize>(slopes: &[Slope], bearings: &[Option<Bearing>; BEAMS]) -> Bearing {
+    let (mut x, mut y) = (0.0_f32, 0.0_f32);
+    for fit in 0..FITS {
+        let (mut xx, mut xy, mut yy, mut xr, mut yr) =
+            (0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32);
+        for slope in slopes {
+            let Some(bearing) = bearings.get(usize::from(slope.sensor)).copied().flatten() else {
+                continue;
+            };
+            let direction = bearing.direction();
+            let ahead = f32::from(slope.ahead_mm) / 1e3;
+            let unit = ahead / 16_384.0;
+            let (u, v) = (
+                -unit * f32::from(direction.x_q14),
+                unit * f32::from(direction.y_q14),
+            );
+            let change = f32::from(slope.change_mm) / 1e3;
+            let weight = if fit == 0 {
+                1.0
+            } else {
+                let off = (change - (u * x + v * y)) / ahead / 0.1;
+                1.0 / (1.0 + off * off)
+            };
+            xx += weight * u * u;
+            xy += weight * u * v;
+            yy += weight * v * v;
+            xr += weight * u * change;
+            yr += weight * v * change;
+        }
+        let determinant = xx * yy - xy * xy;
+        if F32Ext::abs(determinant) < 1e-9 {
+            return Bearing::ZERO;
+        }
+        x = (xr * yy - yr * xy) / determinant;
+        y = (yr * xx - xr * xy) / determinant;
+    }
+    let turns = F32Ext::atan2(y, x) * (32_768.0 / core::f32::consts::PI);
+    Bearing::from_turns(F32Ext::round(turns) as i32 as u16)
+}

@@ -1,0 +1,176 @@
+use super::*;
+use crate::controller::{Event, Motion, Progress};
+use std::vec::Vec;
+
+/// Bearings of the sensors, degrees, in no order.
+const BEARINGS: [f64; 8] = [88.0, -33.0, 171.0, 5.0, -140.0, 31.0, 120.0, -75.0];
+const FACE_M: f64 = 0.23;
+
+/// A room with its walls at x = −2.1, 3.0 and y = −1.5, 2.2 m, and a wall across a part of it.
+fn range_mm(x: f64, y: f64, angle: f64) -> f64 {
+    let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+    let (x, y) = (x + FACE_M * cos, y + FACE_M * sin);
+    let to = |wall: f64, at: f64, along: f64| {
+        let far = (wall - at) / along;
+        if far > 0.0 { far } else { f64::INFINITY }
+    };
+    let walls = [
+        to(-2.1, x, cos),
+        to(3.0, x, cos),
+        to(-1.5, y, sin),
+        to(2.2, y, sin),
+    ];
+    let screen = to(1.4, x, cos);
+    let is_hit = (0.4..2.2).contains(&(y + screen * sin));
+    let nearest = walls.into_iter().fold(f64::INFINITY, f64::min);
+    1e3 * if is_hit { nearest.min(screen) } else { nearest }
+}
+
+struct Rig {
+    babble: Babble<8>,
+    limits: BabbleLimits,
+    x: f64,
+    y: f64,
+    heading: f64,
+    dead: Vec<usize>,
+    moves: u32,
+}
+
+impl Rig {
+    fn new(moves: u16, seed: u64) -> Self {
+        Self {
+            babble: Babble::new(moves, seed),
+            limits: BabbleLimits {
+                enabled: Mask::from_bits(0xFF),
+                longest_mm: 250,
+                margin_mm: 70,
+                speed_mm_s: 250,
+            },
+            x: 0.0,
+            y: 0.0,
+            heading: 0.4,
+            dead: Vec::new(),
+            moves: 0,
+        }
+    }
+
+    fn listen(&mut self) -> Option<Motion> {
+        let mut motion = None;
+        for (sensor, bearing) in BEARINGS.into_iter().enumerate() {
+            let mm = range_mm(self.x, self.y, self.heading + bearing.to_radians());
+            let range = (!self.dead.contains(&sensor)).then(|| Range::from_mm(mm as u16));
+            let event = Event::<16>::Echo {
+                sensor: sensor as u8,
+                range,
+            };
+            motion = self.babble.handle(&self.limits, &event).or(motion);
+        }
+        motion
+    }
+
+    fn report(&mut self, motion: Motion, ahead_m: f64, turned: f64, progress: Progress) {
+        self.heading += turned;
+        self.x += ahead_m * libm::cos(self.heading);
+        self.y += ahead_m * libm::sin(self.heading);
+        let moved = Displacement::saturating(libm::rint(ahead_m * 1e3) as i32, 0);
+        let turned = Bearing::from_turns((turned.to_degrees() / 360.0 * 65_536.0) as i32 as u16);
+        let event: Event<16> = motion.report(moved, turned, progress);
+        assert_eq!(self.babble.handle(&self.limits, &event), None);
+    }
+
+    /// Turns towards each motion, listening on the way, and goes.
+    fn run(&mut self) {
+        while let Some(motion) = self.listen() {
+            self.moves += 1;
+            let bearing = motion.displacement.bearing().as_signed_turns();
+            let mut left = f64::from(bearing) * core::f64::consts::PI / 32_768.0;
+            while left.abs() > 1e-9 {
+                let turn = left.clamp(-0.26, 0.26);
+                self.report(motion, 0.0, turn, Progress::Steering);
+                left -= turn;
+                assert_eq!(self.listen(), None);
+            }
+            let length = f64::from(motion.displacement.length_mm()) / 1e3;
+            self.report(motion, length, 0.0, Progress::Ended);
+        }
+        assert!(self.babble.is_over());
+    }
+
+    /// Errors of the sensors that work, degrees; the others must be known as dead.
+    fn errors(&self) -> Vec<f64> {
+        let solved = self.babble.calibration().solve();
+        let pairs = solved.into_iter().zip(BEARINGS).enumerate();
+        let mut errors = Vec::new();
+        for (sensor, (bearing, exact)) in pairs {
+            assert_eq!(bearing.is_none(), self.dead.contains(&sensor), "{sensor}");
+            if let Some(bearing) = bearing {
+                let found = f64::from(bearing.as_turns()) / 65_536.0 * 360.0;
+                let off = (found - exact).rem_euclid(360.0);
+                errors.push(off.min(360.0 - off));
+            }
+        }
+        errors.sort_by(f64::total_cmp);
+        errors
+    }
+}
+
+#[test]
+fn a_body_learns_where_its_sensors_look() {
+    for seed in 1..=5 {
+        let mut rig = Rig::new(40, seed);
+        rig.run();
+        assert_eq!(rig.moves, 40);
+        let errors = rig.errors();
+        assert!(errors[4] <= 7.0, "{seed}: {errors:?}");
+        // Relative to each other they are known better than to the body's front.
+        assert!(errors[7] - errors[0] <= 3.0, "{seed}: {errors:?}");
+    }
+}
+
+#[test]
+fn dead_sensors_are_found_and_the_others_learned() {
+    let mut rig = Rig::new(40, 3);
+    rig.dead = [1, 4].into();
+    rig.run();
+    let errors = rig.errors();
+    assert!(errors[3] <= 7.0, "{errors:?}");
+}
+
+#[test]
+fn nothing_is_known_without_moves() {
+    let calibration = Calibration::<8>::new();
+    assert_eq!(calibration.alive(), Mask::NONE);
+    assert_eq!(calibration.solve(), [None; 8]);
+}
+
+/// The nearest thing heard may stand anywhere.
+#[test]
+fn random_moves_end_before_the_nearest_thing() {
+    let mut rig = Rig::new(200, 9);
+    rig.run();
+    let (x, y) = (rig.x, rig.y);
+    assert!((-2.1 + 0.23..3.0 - 0.23).contains(&x) && (-1.5 + 0.23..2.2 - 0.23).contains(&y));
+}
+
+#[test]
+fn a_turn_back_is_a_turn_on_of_the_pair_exchanged() {
+    for bin in 0..BINS {
+        let here = place((3, 5), bin);
+        assert_eq!(place((5, 3), BINS - 1 - bin), here);
+        assert!(here.2 < 32);
+    }
+}
+
+#[test]
+fn averages_keep_their_bits_and_forget() {
+    let mut unlike = Unlikeness::NONE;
+    unlike.learn(100);
+    assert_eq!((unlike.mean(), unlike.count()), (800, 1));
+    unlike.learn(i16::MAX);
+    assert_eq!((unlike.mean(), unlike.count()), (2_444, 2));
+    for _ in 0..200 {
+        unlike.learn(0);
+    }
+    assert_eq!(unlike.count(), 15);
+    assert!(unlike.mean() < 8, "{}", unlike.mean());
+}
