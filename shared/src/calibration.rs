@@ -30,8 +30,8 @@ const HERE: usize = 192;
 const SLOPES: usize = 512;
 /// The place is left after so much travel, millimeters.
 const LEFT_MM: u32 = 20;
-/// A range's change over less travel than this tells nothing, millimeters.
-const LEAST_SLOPE_MM: i32 = 30;
+/// A range's change over less or more travel than this tells nothing, millimeters.
+const SLOPE_MM: core::ops::RangeInclusive<i32> = 30..=2_000;
 /// Bearings within 1° are the same heading.
 const SAME_HEADING: u16 = (65_536_u32 / 360) as u16;
 /// Ranges count as at most this, millimeters.
@@ -204,7 +204,7 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
         };
         let turned = after.heading.minus(before.heading).as_signed_turns();
         let ahead_mm = after.traveled_mm.wrapping_sub(before.traveled_mm);
-        if turned.unsigned_abs() > SAME_HEADING || ahead_mm.abs() < LEAST_SLOPE_MM {
+        if turned.unsigned_abs() > SAME_HEADING || !SLOPE_MM.contains(&ahead_mm.abs()) {
             return;
         }
         let change_mm = i32::from(after.range.as_mm()) - i32::from(before.range.as_mm());

@@ -8,7 +8,7 @@ use arena::world::World;
 use rayon::prelude::*;
 use sim::behavior::Behavior;
 use sim::episode::{Setup, run};
-use sim::robot::{AnyRobot, Ranges};
+use sim::robot::{AnyRobot, Geometry, Ranges};
 
 /// Rooms that were not used for tuning.
 const FIRST: u64 = 10_000;
@@ -25,6 +25,8 @@ struct Driven {
     explore_contacts: u32,
     contacts: u32,
     distance_m: f64,
+    /// Median error of the sensors' bearings in each room where they were learned.
+    bearing_errors_deg: Vec<f64>,
 }
 
 fn drive(robot: &AnyRobot, sonar: SonarModel) -> Driven {
@@ -49,12 +51,18 @@ fn drive(robot: &AnyRobot, sonar: SonarModel) -> Driven {
             explore_contacts: episode.report.explore_contacts,
             contacts: episode.report.contacts,
             distance_m: episode.report.distance_m,
+            bearing_errors_deg: episode
+                .bearing_errors_deg
+                .map(|[median, _]| median)
+                .into_iter()
+                .collect(),
         }
     });
     reports.reduce(Driven::default, |sum, one| Driven {
         explore_contacts: sum.explore_contacts + one.explore_contacts,
         contacts: sum.contacts + one.contacts,
         distance_m: sum.distance_m + one.distance_m,
+        bearing_errors_deg: [sum.bearing_errors_deg, one.bearing_errors_deg].concat(),
     })
 }
 
@@ -74,6 +82,19 @@ fn with_noise_and_a_guard_they_touch_nothing_either() {
         assert_eq!(driven.contacts, 0, "{name}");
         assert!(driven.distance_m > 1_200.0, "{name}: {driven:?}");
     }
+}
+
+/// Nobody tells it the order of its wires, or where its sensors look.
+#[test]
+fn a_robot_that_learned_where_its_sensors_look_touches_nothing() {
+    let robot = robot("p3dx", false).scrambled(1);
+    let robot = robot.with_geometry(Geometry::Learned).expect("it turns");
+    let driven = drive(&robot, SonarModel::Ideal);
+    assert_eq!(driven.contacts, 0, "{driven:?}");
+    assert!(driven.distance_m > 1_500.0, "{driven:?}");
+    let errors_deg = &driven.bearing_errors_deg;
+    let small = errors_deg.iter().filter(|error| **error <= 5.0).count();
+    assert!(small >= 20, "{errors_deg:?}");
 }
 
 /// Random moves know nothing of goals: only the guard ends them in time.

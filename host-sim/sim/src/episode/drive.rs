@@ -235,14 +235,14 @@ pub(super) struct EpisodeRunner<'w> {
     pub(super) nest: Situation<16>,
     first: bool,
     /// The current step.
-    open: Option<StepFlags>,
+    pub(super) open: Option<StepFlags>,
     recorder: Option<StepRecorder>,
     observer: Option<&'w mut dyn Observer>,
 }
 
 impl<'w> EpisodeRunner<'w> {
     /// A controller that takes no decision for this many rings is silent.
-    const MAX_SILENT_RINGS: u32 = 100;
+    pub(super) const MAX_SILENT_RINGS: u32 = 100;
 
     fn new(world: &'w World, body: Body<'w>, record: bool) -> Self {
         Self {
@@ -268,27 +268,6 @@ impl<'w> EpisodeRunner<'w> {
         let outputs = controller.handle(self.body.now(), Event::Command(command));
         let refused = outputs.refusal.map(EpisodeError::Refused);
         controller.failure().or(refused).map_or(Ok(()), Err)
-    }
-
-    /// Drives until the pilot knows where its sensors look. Each of its moves is a step.
-    fn calibrate(&mut self, pilot: &mut impl Pilot) -> Result<(), EpisodeError> {
-        let mut last = pilot.calibration_moves_left();
-        let mut moved_s = self.body.time_s();
-        while let Some(left) = pilot.calibration_moves_left() {
-            let result = self.body.advance(pilot);
-            if last != Some(left) {
-                self.close();
-                (last, moved_s) = (Some(left), self.body.time_s());
-            }
-            self.open.get_or_insert_default();
-            self.follow(&result);
-            let silent_s = f64::from(Self::MAX_SILENT_RINGS) * self.body.ring_s();
-            if self.body.time_s() - moved_s > silent_s {
-                return Err(EpisodeError::Silent);
-            }
-        }
-        self.close();
-        Ok(())
     }
 
     fn learn(&mut self, controller: &mut impl Pilot) -> Result<(), EpisodeError> {
@@ -356,7 +335,7 @@ impl<'w> EpisodeRunner<'w> {
         }
     }
 
-    fn follow(&mut self, result: &StepResult) {
+    pub(super) fn follow(&mut self, result: &StepResult) {
         if let Some(open) = &mut self.open {
             open.touched |= result.collision == Some(Collision::ByRobot);
             open.touched_by |= result.collision == Some(Collision::ByOther);
@@ -380,7 +359,7 @@ impl<'w> EpisodeRunner<'w> {
         }
     }
 
-    fn close(&mut self) {
+    pub(super) fn close(&mut self) {
         if let Some(flags) = self.open.take() {
             self.metrics.step(flags);
             self.measure.step(self.world, &self.behavior);

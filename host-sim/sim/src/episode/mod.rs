@@ -5,6 +5,7 @@
 //! random moves, then that of all noise. So a run without noise makes the same random moves.
 
 mod body;
+mod calibrate;
 mod capture;
 mod drive;
 mod leader;
