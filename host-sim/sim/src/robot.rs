@@ -80,7 +80,7 @@ pub struct AnyRobot {
 /// Distance that the guard keeps, as a share of the body's radius: 90 mm for the Nomad.
 const GUARD: f64 = 0.09 / COLLISION_RADIUS_M;
 /// Share of the random moves that teach where the sensors look, %.
-const CALIBRATION_PERCENT: u32 = 40;
+const CALIBRATION_PERCENT: u32 = 25;
 /// Distance from the body that a random move leaves meanwhile, mm of the Nomad's.
 const BABBLE_MARGIN_MM: u16 = 30;
 /// A holonomic base moves any way at once: its wheels turn this fast, rad/s.
