@@ -37,6 +37,7 @@
 //! | [`goal`] | behaviors as goal situations |
 //! | [`planner`] | the paper's four steps, with every intermediate value |
 //! | [`faults`] | detects faulty transducers |
+//! | [`calibration`] | where the sensors of a body look, learned from random moves |
 //! | [`points`] | points of echoes in the odometry frame, and a ring of sectors read off them |
 //! | [`shield`] | limits how far and how fast, by the echoes of the ring |
 //! | [`turret`] | any body's sensors as a ring that keeps its bearing in the world |

@@ -77,6 +77,18 @@ const TABLES: &[(&str, &[u8])] = &[
 ];
 
 const CASES: &[Case] = &[
+    ("run --robot gone", &["gone", "p3dx"]),
+    ("run --robot gone.toml", &["gone.toml"]),
+    ("run --robot p3dx --geometry lerned", &["lerned", "learned"]),
+    (
+        "run --robot crazyflie --geometry learned",
+        &["crazyflie", "turn"],
+    ),
+    (
+        "run --geometry learned",
+        &["--geometry", "another robot than nomad200"],
+    ),
+    ("run --scramble 3", &["--scramble"]),
     // World files.
     ("run --world missing.toml", &["missing.toml"]),
     ("run --world empty.toml", &["empty.toml", "empty"]),

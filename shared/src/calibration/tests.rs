@@ -182,3 +182,8 @@ fn averages_keep_their_bits_and_forget() {
     assert_eq!(unlike.count(), 15);
     assert!(unlike.mean() < 8, "{}", unlike.mean());
 }
+
+#[test]
+fn what_is_learned_of_sixteen_sensors_takes_21_kilobytes() {
+    assert!(size_of::<Calibration<16>>() <= 21_500);
+}
