@@ -1,10 +1,9 @@
-//! Learns where the sensors of a body look, from its own moves: nobody tells it their bearings, or
-//! in which order they are wired.
+//! Learns the bearings of a body's sensors from its own moves, whatever the order of their wires.
 //!
-//! *Rotation matching*: once the body has turned by φ on the spot, a sensor reads what another one
-//! read before whose bearing is greater by φ. For each two sensors and each turn the unlikeness of
-//! such readings is averaged; the bearings are those that make it least. They are known up to a
-//! common turn, which straight moves tell: a range shrinks as its sensor looks ahead.
+//! *Rotation matching*: when the body has turned by φ on the spot, a sensor of bearing b reads what
+//! the sensor of bearing b + φ read before. For each pair of sensors and each turn the dissimilarity
+//! of such readings is averaged. The bearings minimize the sum over all pairs. They are known up to
+//! a common turn, which straight moves give: a range shrinks when its sensor looks ahead.
 //!
 //! Learning of sensors' places from motor babbling: Pierce & Kuipers 1997, *Map learning with
 //! uninterpreted sensors and effectors*; Stober, Fishgold & Kuipers 2009, *Sensor map discovery for
@@ -25,7 +24,7 @@ const BINS: usize = 64;
 /// The second half of the turns is the first half of the pair the other way round.
 const HALF_BINS: usize = BINS / 2;
 /// Readings at this place that are compared with a new one: twelve rings of 16.
-const HERE: usize = 192;
+const READINGS: usize = 192;
 /// Changes of range along straight moves that are kept.
 const SLOPES: usize = 512;
 /// The place is left after so much travel, millimeters.
@@ -36,14 +35,14 @@ const SLOPE_MM: core::ops::RangeInclusive<i32> = 30..=2_000;
 const SAME_HEADING: u16 = (65_536_u32 / 360) as u16;
 /// Ranges count as at most this, millimeters.
 const FARTHEST_MM: u16 = 5_000;
-/// More than this is as unlike as readings can be: half of a logarithm.
-const MOST_UNLIKE: i16 = 511;
+/// More than this counts as this: half of a logarithm.
+const MAX_DISSIMILARITY: i16 = 511;
 /// A sensor whose readings vary by less than this on average is dead: 0.02 of a logarithm.
 const LEAST_SPREAD: i32 = 20;
 
 /// A reading at the present place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Seen {
+struct Reading {
     sensor: u8,
     heading: Bearing,
     value: i16,
@@ -67,12 +66,12 @@ struct Slope {
     change_mm: i16,
 }
 
-/// How unlike the readings of two sensors are after a turn: a running average in 12 bits, 8 = one
+/// How dissimilar the readings of two sensors are after a turn: a running average in 12 bits, 8 = one
 /// unit of a reading, and above it 4 bits that count the comparisons.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Unlikeness(u16);
+struct Dissimilarity(u16);
 
-impl Unlikeness {
+impl Dissimilarity {
     const NONE: Self = Self(0);
     /// The average forgets with this time constant.
     const MEMORY: u16 = 15;
@@ -89,7 +88,7 @@ impl Unlikeness {
         let count = (self.count() + 1).min(Self::MEMORY);
         let (old, new) = (
             i32::from(self.mean()),
-            i32::from(difference.min(MOST_UNLIKE)) * 8,
+            i32::from(difference.min(MAX_DISSIMILARITY)) * 8,
         );
         let step = crate::units::div_round(new - old, count.into());
         self.0 = count << 12 | (old + step) as u16 & 0xFFF;
@@ -100,11 +99,11 @@ impl Unlikeness {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Calibration<const BEAMS: usize> {
     /// Of sensor i before and sensor j after a turn of bin k: `[i][j][k]`.
-    unlike: [[[Unlikeness; HALF_BINS]; BEAMS]; BEAMS],
-    here: Vec<Seen, HERE>,
+    dissimilarity: [[[Dissimilarity; HALF_BINS]; BEAMS]; BEAMS],
+    readings: Vec<Reading, READINGS>,
     latest: [Option<Latest>; BEAMS],
     slopes: Vec<Slope, SLOPES>,
-    /// Mean of each sensor's readings, and of what they differ from it.
+    /// Of each sensor: mean of its readings, and mean deviation from that in sixteenths.
     means: [Option<(i32, i32)>; BEAMS],
     heading: Bearing,
     traveled_mm: i32,
@@ -123,8 +122,8 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            unlike: [[[Unlikeness::NONE; HALF_BINS]; BEAMS]; BEAMS],
-            here: Vec::new(),
+            dissimilarity: [[[Dissimilarity::NONE; HALF_BINS]; BEAMS]; BEAMS],
+            readings: Vec::new(),
             latest: [None; BEAMS],
             slopes: Vec::new(),
             means: [None; BEAMS],
@@ -140,7 +139,7 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
         self.traveled_mm = self.traveled_mm.wrapping_add(moved.dx_mm.into());
         self.away_mm = self.away_mm.saturating_add(moved.length_mm().into());
         if self.away_mm >= LEFT_MM {
-            self.here.clear();
+            self.readings.clear();
             self.away_mm = 0;
         }
     }
@@ -150,7 +149,7 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
         if sensor >= BEAMS {
             return;
         }
-        let seen = Seen {
+        let seen = Reading {
             sensor: sensor as u8,
             heading: self.heading,
             value: logarithm(range),
@@ -166,28 +165,28 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
         };
         let (mean, spread) = known.unwrap_or((value, 0));
         let off = value.wrapping_sub(mean);
-        // Sixteenths of a step, rounded away from zero, so that a small one is not lost.
+        // A step is at least 1, so that the mean reaches a constant reading.
         let mean = mean + off / 16 + off.signum();
         let spread = spread + (off.abs() * 16 - spread) / 16;
         *known = Some((mean, spread));
     }
 
     /// Compares a reading with those of other sensors at this place, and keeps it.
-    fn compare(&mut self, seen: Seen) {
-        for before in &self.here {
+    fn compare(&mut self, seen: Reading) {
+        for before in &self.readings {
             if before.sensor != seen.sensor {
                 let turn = seen.heading.minus(before.heading);
                 let pair = (before.sensor.into(), seen.sensor.into());
-                if let Some(unlike) = cell(&mut self.unlike, pair, turn) {
-                    unlike.learn(seen.value.abs_diff(before.value) as i16);
+                if let Some(dissimilarity) = cell(&mut self.dissimilarity, pair, turn) {
+                    dissimilarity.learn(seen.value.abs_diff(before.value) as i16);
                 }
             }
         }
-        if self.here.is_full() {
-            self.here.remove(0);
+        if self.readings.is_full() {
+            self.readings.remove(0);
         }
         // There is room.
-        let _ = self.here.push(seen);
+        let _ = self.readings.push(seen);
     }
 
     fn note_slope(&mut self, sensor: usize, range: Option<Range>) {
@@ -235,12 +234,12 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
 
 /// The average of two sensors, before and after a turn.
 fn cell<const BEAMS: usize>(
-    unlike: &mut [[[Unlikeness; HALF_BINS]; BEAMS]; BEAMS],
+    dissimilarity: &mut [[[Dissimilarity; HALF_BINS]; BEAMS]; BEAMS],
     pair: (usize, usize),
     turn: Bearing,
-) -> Option<&mut Unlikeness> {
+) -> Option<&mut Dissimilarity> {
     let (before, after, bin) = place(pair, usize::from(turn.as_turns() >> 10));
-    unlike.get_mut(before)?.get_mut(after)?.get_mut(bin)
+    dissimilarity.get_mut(before)?.get_mut(after)?.get_mut(bin)
 }
 
 /// Where a bin of a turn is kept: a turn back is a turn on with the sensors exchanged.

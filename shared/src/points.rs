@@ -30,9 +30,9 @@ pub struct PointLimits {
     /// A point nearer to the body than this tells its sector's range wherever it was seen from,
     /// millimeters.
     pub near_mm: u16,
-    /// A robot about to roll decides again only for what is nearer than this, millimeters,
+    /// A robot about to roll decides again only if a sector's range is below this, millimeters.
     pub replan_within_mm: u16,
-    /// and nearer than it thought by this, millimeters.
+    /// It also has to be this much shorter than at the last decision, millimeters.
     pub replan_nearer_mm: u16,
 }
 

@@ -88,6 +88,14 @@ const CASES: &[Case] = &[
         "run --geometry learned",
         &["--geometry", "another robot than nomad200"],
     ),
+    (
+        "run --robot p3dx --geometry learned --explore 19",
+        &["at least 20 random moves", "19"],
+    ),
+    (
+        "bodies --robots p3dx --geometry learned --explore 3",
+        &["at least 20 random moves", "3"],
+    ),
     ("run --scramble 3", &["--scramble"]),
     // World files.
     ("run --world missing.toml", &["missing.toml"]),

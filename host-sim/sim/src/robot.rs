@@ -79,6 +79,8 @@ pub struct AnyRobot {
 
 /// Distance that the guard keeps, as a share of the body's radius: 90 mm for the Nomad.
 const GUARD: f64 = 0.09 / COLLISION_RADIUS_M;
+/// Fewest random moves of a robot that learns where its sensors look.
+pub const LEAST_MOVES: u16 = 20;
 /// Share of the random moves that teach where the sensors look, %.
 const CALIBRATION_PERCENT: u32 = 25;
 /// Distance from the body that a random move leaves meanwhile, mm of the Nomad's.
@@ -144,6 +146,19 @@ impl AnyRobot {
     #[must_use]
     pub fn geometry(&self) -> Geometry {
         self.geometry
+    }
+
+    /// Checks that so many random moves are enough to learn where the sensors look.
+    ///
+    /// # Errors
+    /// Fewer than [`LEAST_MOVES`] for a geometry to be learned.
+    pub fn check_moves(&self, moves: u16) -> Result<(), BadInput> {
+        if self.geometry == Geometry::Learned && moves < LEAST_MOVES {
+            return Err(BadInput::new(format!(
+                "--geometry learned: at least {LEAST_MOVES} random moves (--explore), not {moves}"
+            )));
+        }
+        Ok(())
     }
 
     /// Of so many random moves those that teach where the sensors look; the others teach the maps.

@@ -133,6 +133,7 @@ fn robots(args: &BodiesArgs) -> Result<NamedRobots, BadInput> {
         let built = |has_guard| {
             let robot = AnyRobot::new(model.clone(), args.ranges, has_guard)?
                 .with_geometry(args.geometry)?;
+            robot.check_moves(args.explore)?;
             Ok(Some(match args.scramble {
                 None => robot,
                 Some(seed) => robot.scrambled(seed),

@@ -177,6 +177,7 @@ impl SetupArgs {
         let model = RobotModel::find(&self.robot)?;
         let robot = AnyRobot::new(model, self.ranges, self.task.shield == Switch::On)?
             .with_geometry(self.geometry)?;
+        robot.check_moves(self.task.explore)?;
         Ok(Some(match self.scramble {
             None => robot,
             Some(seed) => robot.scrambled(seed),

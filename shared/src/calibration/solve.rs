@@ -1,4 +1,4 @@
-//! The bearings that make readings after turns most alike.
+//! The bearings that make readings after turns most similar.
 
 use super::{BINS, Calibration, Slope, place};
 use crate::fixed::Mask;
@@ -43,7 +43,7 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
     }
 }
 
-/// How unlike two sensors' readings are, less their average over all turns.
+/// Dissimilarity of two sensors' readings, less its average over all turns.
 struct Costs<'a, const BEAMS: usize> {
     calibration: &'a Calibration<BEAMS>,
     means: [[u16; BEAMS]; BEAMS],
@@ -80,7 +80,7 @@ impl<'a, const BEAMS: usize> Costs<'a, BEAMS> {
     ) -> u16 {
         let (sum, weight) = bins.fold(start, |(sum, weight), (bin, share)| {
             let (before, after, bin) = place(pair, bin % BINS);
-            let row = self.calibration.unlike.get(before);
+            let row = self.calibration.dissimilarity.get(before);
             let cell = row.and_then(|row| row.get(after)?.get(bin));
             cell.map_or((sum, weight), |cell| {
                 let count = u32::from(cell.count()).wrapping_mul(share);

@@ -171,16 +171,16 @@ fn a_turn_back_is_a_turn_on_of_the_pair_exchanged() {
 
 #[test]
 fn averages_keep_their_bits_and_forget() {
-    let mut unlike = Unlikeness::NONE;
-    unlike.learn(100);
-    assert_eq!((unlike.mean(), unlike.count()), (800, 1));
-    unlike.learn(i16::MAX);
-    assert_eq!((unlike.mean(), unlike.count()), (2_444, 2));
+    let mut average = Dissimilarity::NONE;
+    average.learn(100);
+    assert_eq!((average.mean(), average.count()), (800, 1));
+    average.learn(i16::MAX);
+    assert_eq!((average.mean(), average.count()), (2_444, 2));
     for _ in 0..200 {
-        unlike.learn(0);
+        average.learn(0);
     }
-    assert_eq!(unlike.count(), 15);
-    assert!(unlike.mean() < 8, "{}", unlike.mean());
+    assert_eq!(average.count(), 15);
+    assert!(average.mean() < 8, "{}", average.mean());
 }
 
 #[test]

@@ -62,9 +62,10 @@ pub fn run(
             run_with(world, setup, &mut controller, progress)
         }
         Some(robot) => {
-            let mut controller = match setup.calibration_moves() {
-                0 => TurretController::new(setup.config.clone(), robot),
-                moves => {
+            let mut controller = match robot.geometry() {
+                Geometry::Known => TurretController::new(setup.config.clone(), robot),
+                Geometry::Learned => {
+                    let moves = setup.calibration_moves();
                     let seed = Seeds::of(setup.seed).exploration.wrapping_add(1);
                     TurretController::babbling(setup.config.clone(), robot, moves, seed)
                 }
