@@ -1,8 +1,8 @@
 //! Learns the bearings of a body's sensors from its own moves, whatever the order of their wires.
 //!
 //! *Rotation matching*: when the body has turned by φ on the spot, a sensor of bearing b reads what
-//! the sensor of bearing b + φ read before. For each pair of sensors and each turn the dissimilarity
-//! of such readings is averaged. The bearings minimize the sum over all pairs. They are known up to
+//! the sensor of bearing b + φ read before. The dissimilarity of such readings is averaged for each
+//! pair of sensors and each turn. The bearings minimize the sum over all pairs. They are known up to
 //! a common turn, which straight moves give: a range shrinks when its sensor looks ahead.
 //!
 //! Learning of sensors' places from motor babbling: Pierce & Kuipers 1997, *Map learning with
@@ -66,8 +66,8 @@ struct Slope {
     change_mm: i16,
 }
 
-/// How dissimilar the readings of two sensors are after a turn: a running average in 12 bits, 8 = one
-/// unit of a reading, and above it 4 bits that count the comparisons.
+/// How dissimilar the readings of two sensors are after a turn. Low 12 bits: a running average,
+/// 8 = one unit of a reading. High 4 bits: the number of comparisons.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Dissimilarity(u16);
 
