@@ -2,8 +2,8 @@
 //!
 //! *Rotation matching*: when the body has turned by φ on the spot, a sensor of bearing b reads what
 //! the sensor of bearing b + φ read before. The dissimilarity of such readings is averaged for each
-//! pair of sensors and each turn. The bearings minimize the sum over all pairs. They are known up to
-//! a common turn, which straight moves give: a range shrinks when its sensor looks ahead.
+//! pair of sensors and each turn. The bearings minimize the sum over all pairs. They are known up
+//! to a common turn, which straight moves give: a range shrinks when its sensor looks ahead.
 //!
 //! Learning of sensors' places from motor babbling: Pierce & Kuipers 1997, *Map learning with
 //! uninterpreted sensors and effectors*; Stober, Fishgold & Kuipers 2009, *Sensor map discovery for
