@@ -195,8 +195,10 @@ impl<const SENSORS: usize> Shield<SENSORS> {
             if self.has_one_view() {
                 self.way_mm = self.way_mm.saturating_add(by.length_mm());
             }
-            for arc in self.arcs.as_flattened_mut() {
-                arc.face = arc.face.minus(by);
+            if self.heard != Mask::NONE {
+                for arc in self.arcs.as_flattened_mut() {
+                    arc.face = arc.face.minus(by);
+                }
             }
         }
         self.turned = self.turned.plus(turned);
@@ -290,6 +292,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         now: Millis,
         sensor: usize,
     ) -> Option<Allowed> {
+        config.shield.as_ref()?;
         let length = wanted.length_mm();
         let heard = Mask::NONE.with(sensor);
         let allowed = self.allow_by(config, enabled, wanted, now, heard);

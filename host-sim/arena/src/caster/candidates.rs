@@ -6,9 +6,9 @@
 
 use std::sync::Arc;
 
-use super::seen::SonarLobe;
+use super::seen::{FaceInCone, SonarLobe};
 use crate::geometry::{Point, max, min};
-use crate::surfaces::{Circle, Face, FaceBlock, LANES, SLACK_M, Surfaces};
+use crate::surfaces::{Circle, FaceBlock, LANES, SLACK_M, Surfaces};
 
 /// Radius around a tip in which other tips share its candidates, m.
 const ROOM_M: f64 = 0.7;
@@ -21,7 +21,7 @@ const MARGIN_M: f64 = ROOM_M + SLACK_M;
 pub(super) struct Candidates {
     of: Option<Arc<Surfaces>>,
     lobe: SonarLobe,
-    pub faces: Vec<Face>,
+    pub faces: Vec<FaceInCone>,
     pub circles: Vec<Circle>,
     pub corners: Vec<Point>,
 }
@@ -50,18 +50,21 @@ impl Candidates {
     }
 
     fn find(&mut self, surfaces: &Surfaces, lobe: &SonarLobe) {
-        let (tip, far) = (lobe.tip, lobe.reach_m + MARGIN_M);
+        // The disc around the lobe, which is smaller than the one around its tip.
+        let middle = lobe.tip + lobe.axis * (lobe.reach_m / 2.0);
+        let far = lobe.reach_m * max(0.5, (1.25 - lobe.cone.cos).sqrt()) + MARGIN_M;
         let edges = LobeEdges::of(lobe);
         self.faces.clear();
-        surfaces.faces_near(tip, far, |block| {
+        surfaces.faces_near(middle, far, |block| {
             let held = edges.may_hold(block);
             let lanes = (0..LANES).filter(|&lane| held[lane]);
-            self.faces.extend(lanes.map(|lane| block.face(lane)));
+            self.faces
+                .extend(lanes.filter_map(|lane| lobe.edges_on(block.face(lane))));
         });
         self.circles.clear();
-        surfaces.circles_near(tip, far, |circle| self.circles.push(*circle));
+        surfaces.circles_near(middle, far, |circle| self.circles.push(*circle));
         self.corners.clear();
-        surfaces.corners_near(tip, far, |corner| {
+        surfaces.corners_near(middle, far, |corner| {
             if edges.may_hold_corner(corner) {
                 self.corners.push(corner);
             }

@@ -33,35 +33,40 @@ impl SonarLobe {
         })
     }
 
+    /// A face with the edges of the lobe, if its front can face them. Both are the same for all
+    /// lobes in this direction.
+    pub(super) fn edges_on(&self, face: Face) -> Option<FaceInCone> {
+        let ConeShape { sin, cos } = self.cone;
+        let (axis_u, axis_n) = (self.axis.dot(face.u), self.axis.cross(face.u));
+        let (left_n, left_u) = (axis_n * cos - axis_u * sin, axis_u * cos + axis_n * sin);
+        let (right_n, right_u) = (axis_n * cos + axis_u * sin, axis_u * cos - axis_n * sin);
+        // An edge of the cone that points away from the face is no limit.
+        let (meets_left, meets_right) = (left_n > 0.0, right_n > 0.0);
+        (meets_left || meets_right).then(|| FaceInCone {
+            face,
+            left: if meets_left {
+                left_u / left_n
+            } else {
+                f64::INFINITY
+            },
+            right: if meets_right {
+                right_u / right_n
+            } else {
+                f64::NEG_INFINITY
+            },
+        })
+    }
+
     /// A face relative to the tip, if any part of it is in the lobe.
     #[inline]
-    pub(super) fn see(&self, face: &Face) -> Option<SeenFace> {
-        let ConeShape { sin, cos } = self.cone;
+    pub(super) fn see(&self, FaceInCone { face, left, right }: &FaceInCone) -> Option<SeenFace> {
         let far = self.reach_m;
         let offset = face.a - self.tip;
         let (p, q) = (offset.dot(face.u), offset.cross(face.u));
         if q <= 0.0 || q * q > far * far {
             return None;
         }
-        let (axis_u, axis_n) = (self.axis.dot(face.u), self.axis.cross(face.u));
-        let (left_n, left_u) = (axis_n * cos - axis_u * sin, axis_u * cos + axis_n * sin);
-        let (right_n, right_u) = (axis_n * cos + axis_u * sin, axis_u * cos - axis_n * sin);
-        let (met_left, met_right) = (left_n > 0.0, right_n > 0.0);
-        if !(met_left || met_right) {
-            return None;
-        }
-        // An edge of the cone that points away from the face is no limit.
-        let left = if met_left {
-            q * left_u / left_n
-        } else {
-            f64::INFINITY
-        };
-        let right = if met_right {
-            q * right_u / right_n
-        } else {
-            f64::NEG_INFINITY
-        };
-        let (from, to) = (max(p, right), min(p + face.length, left));
+        let (from, to) = (max(p, q * right), min(p + face.length, q * left));
         let nearest = max(from, min(to, 0.0));
         let near = nearest * nearest + q * q;
         (from <= to && near <= far * far).then_some(SeenFace {
@@ -73,6 +78,15 @@ impl SonarLobe {
             near,
         })
     }
+}
+
+/// A face, and where the edges of a cone intersect its line: along the face from the foot of the
+/// perpendicular from the tip, per meter of distance from the tip.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FaceInCone {
+    face: Face,
+    left: f64,
+    right: f64,
 }
 
 /// A face relative to the tip of a lobe.

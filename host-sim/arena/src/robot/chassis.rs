@@ -106,16 +106,29 @@ impl Chassis {
     /// *Sphere tracing*, The Visual Computer 12, 1996). So one query gives a whole free disc.
     #[inline]
     fn passes_freely(&mut self, world: &World, points: [Point; 2]) -> bool {
-        let Some(max_gap_m) = self.max_reported_gap_m else {
+        if self.knows_free(world, points) {
+            return true;
+        }
+        let Some(margin) = self.free_margin_m() else {
             return false;
         };
-        let margin = self.radius_m + max_gap_m.max(0.0) + SLACK_M;
+        self.find_free_disc(world, points[0])
+            .contains(points, margin)
+    }
+
+    /// As [`passes_freely`](Self::passes_freely), without a query: false if not known.
+    #[inline]
+    fn knows_free(&mut self, world: &World, points: [Point; 2]) -> bool {
         let same = self.world.is_same(world);
-        let contains = |free: FreeDisc| same && free.contains(points, margin);
-        self.free.is_some_and(contains)
-            || self
-                .find_free_disc(world, points[0])
-                .contains(points, margin)
+        let (free, margin) = (self.free, self.free_margin_m());
+        let both = free.zip(margin);
+        same && both.is_some_and(|(free, margin)| free.contains(points, margin))
+    }
+
+    /// The distance from the body's center within which a surface matters, m; `None` if all do.
+    fn free_margin_m(&self) -> Option<f64> {
+        let gap_m = self.max_reported_gap_m?;
+        Some(self.radius_m + gap_m.max(0.0) + SLACK_M)
     }
 
     fn find_free_disc(&mut self, world: &World, center: Point) -> FreeDisc {
@@ -147,6 +160,13 @@ impl Chassis {
         }
         let counted = wheels * distance;
         let truth = counted.turned(self.slip);
+        let (from, to) = (self.position, self.position + truth);
+        if self.knows_free(world, [from, to]) {
+            self.position = to;
+            self.odometry = self.odometry + counted;
+            done.traveled_m += (to - from).length();
+            return distance;
+        }
         let sweep = self.sweep(truth, world);
         let share = traveled_share(&sweep, truth.length());
         self.position = self.position + truth * share;

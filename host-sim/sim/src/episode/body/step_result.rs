@@ -66,7 +66,9 @@ impl StepResult {
 
     /// Adds the outputs of one more event.
     pub(super) fn add(&mut self, outputs: &Outputs<16>) {
-        self.decision = self.decision.or(outputs.decision);
+        if let (None, Some(decision)) = (&self.decision, &outputs.decision) {
+            self.decision = Some(*decision);
+        }
         self.mode_changed |= outputs.mode_changed;
         self.stopped = self.stopped.or(outputs.stopped);
         self.shortened |= shortens(outputs);
