@@ -7,7 +7,7 @@ use std::fs;
 use std::time::{Duration, Instant};
 use tests::browser::Browser;
 use tests::nomad::ServedRobot;
-use tests::viewed::{Viewed, is_idle};
+use tests::viewed::{Viewed, Viewer, is_idle};
 use tests::{host_sim, root};
 
 /// Saves a screenshot to the documentation if `UPDATE_PICTURES=1`, else nowhere.
@@ -295,7 +295,7 @@ fn a_nomad_explores_learns_and_seeks_and_stops() {
         let moved = now["counts"]["distance_m"].as_f64() > Some(0.2);
         moved && now["plan"].is_object() && now["link"].is_string()
     });
-    nomad_pictures(&viewed);
+    nomad_pictures(&viewed, &mut steerer);
     steerer.order(json!({"do": "stop"})).expect("it stops");
     steerer.wait("now", |now| {
         now["mode"] == "stopped" && now["resumes"] == true
@@ -315,12 +315,14 @@ fn a_nomad_explores_learns_and_seeks_and_stops() {
     assert!(tests::nomad::stands(state.expect("an answer")));
 }
 
-fn nomad_pictures(viewed: &Viewed) {
+fn nomad_pictures(viewed: &Viewed, steerer: &mut Viewer) {
     if std::env::var_os("UPDATE_PICTURES").is_none() {
         return;
     }
     let mut page = Browser::open(&viewed.watch);
     page.resize(1400, 900);
+    // The robot stops when nobody steers it for 2 s.
+    steerer.wait("now", |now| now["counts"]["steps"].as_u64() > Some(40));
     page.wait("view.now && view.now.counts.steps > 40");
     fits(&mut page);
     keep("view-nomad.png", &mut page);
