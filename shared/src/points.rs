@@ -185,8 +185,9 @@ impl<const POINTS: usize> PointMemory<POINTS> {
     /// Ranges of a ring of evenly spaced sectors, with the bearings of the frame of the start, and
     /// the sectors that are known. The range of an unknown sector is `None`.
     ///
-    /// A sector's range is that of its nearest point, within 12.5° of its axis in a ring of 16. But
-    /// a point lies on its beam's axis, and what returned the echo may lie anywhere in the beam's
+    /// A sector's range is that of its nearest point, within 12.5° of its axis in a ring of 16.
+    /// Points that [tell nothing here](Point::tells) count only in sectors without others. But a
+    /// point lies on its beam's axis, and what returned the echo may lie anywhere in the beam's
     /// cone. So if a beam looks along the axis from here, the others only count where they are
     /// nearer by more than [`beyond_mm`](PointLimits::beyond_mm).
     #[must_use]
@@ -195,25 +196,31 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         limits: &PointLimits,
     ) -> ([Option<Range>; SECTORS], Mask) {
         let mut nearest = [None; SECTORS];
+        let mut older = [None; SECTORS];
         let mut along_axis = [None; SECTORS];
-        for point in self.points.iter().filter(|point| point.tells(limits)) {
+        for point in &self.points {
             let square = point.at.squared_mm2();
             let [own, other] = sectors_at::<SECTORS>(point.at.bearing());
-            keep_least(&mut nearest, own.sector, square);
-            keep_least(&mut nearest, other.sector, square);
+            let squares = match (point.tells(limits), point.is_echo) {
+                (true, _) => &mut nearest,
+                (false, true) => &mut older,
+                (false, false) => continue,
+            };
+            keep_least(squares, own.sector, square);
+            keep_least(squares, other.sector, square);
             if own.is_central && point.seen_from.is_shorter_than(AT_THIS_PLACE_MM) {
                 keep_least(&mut along_axis, own.sector, square);
             }
         }
         let mut known = Mask::NONE;
         let mut ring = [None; SECTORS];
-        let sectors = ring.iter_mut().zip(nearest).zip(along_axis).enumerate();
-        for (sector, ((range, nearest), along_axis)) in sectors {
+        let sectors = ring.iter_mut().zip(nearest).zip(older).zip(along_axis);
+        for (sector, (((range, nearest), older), along_axis)) in sectors.enumerate() {
             let from_face = |square| {
                 let mm = crate::fixed::isqrt_u32(square) as u16;
                 mm.saturating_sub(limits.face_radius_mm)
             };
-            let Some(nearest) = nearest.map(from_face) else {
+            let Some(nearest) = nearest.or(older).map(from_face) else {
                 continue;
             };
             let along_axis = along_axis.map(from_face);

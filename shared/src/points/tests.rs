@@ -83,17 +83,19 @@ fn a_point_keeps_its_place_as_the_robot_turns_and_moves() {
 }
 
 #[test]
-fn far_points_tell_only_what_is_seen_from_here() {
+fn far_points_from_elsewhere_tell_only_what_is_not_seen_from_here() {
     let mut memory = heard(&[(0.0, 3_000), (90.0, 500)]);
     memory.moved(&LIMITS, way(0, -300), Bearing::ZERO);
-    assert_eq!(
-        (ranges(&memory)[0], ranges(&memory)[4]),
-        (Some(3_013), Some(800))
-    );
+    let found = |memory: &PointMemory<64>| (ranges(memory)[0], ranges(memory)[4]);
+    assert_eq!(found(&memory), (Some(3_013), Some(800)));
     memory.moved(&LIMITS, way(0, -10), Bearing::ZERO);
-    assert_eq!((ranges(&memory)[0], ranges(&memory)[4]), (None, Some(810)));
+    assert_eq!(found(&memory), (Some(3_014), Some(810)));
+    // Both sectors are heard from here: the far point no longer counts, the near one does.
+    memory.hear(&LIMITS, &beam(0.0, 4_000));
+    memory.hear(&LIMITS, &beam(90.0, 1_500));
+    assert_eq!(found(&memory), (Some(4_000), Some(810)));
     memory.moved(&LIMITS, way(0, -200), Bearing::ZERO);
-    assert_eq!((ranges(&memory)[4], memory.len()), (None, 2));
+    assert_eq!(found(&memory), (Some(4_004), Some(1_700)));
 }
 
 #[test]
