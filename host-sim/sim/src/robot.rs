@@ -81,8 +81,10 @@ pub struct AnyRobot {
 const GUARD: f64 = 0.09 / COLLISION_RADIUS_M;
 /// Fewest random moves of a robot that learns where its sensors look.
 pub const LEAST_MOVES: u16 = 20;
-/// Share of the random moves that teach where the sensors look, %.
-const CALIBRATION_PERCENT: u32 = 25;
+/// Share of the random moves that teach nothing else than where the sensors look, %.
+const CALIBRATION_PERCENT: u32 = 20;
+/// Those are at least so many.
+const LEAST_CALIBRATION_MOVES: u16 = 12;
 /// Distance from the body that a random move leaves meanwhile, mm of the Nomad's.
 const BABBLE_MARGIN_MM: u16 = 30;
 /// A holonomic base moves any way at once: its wheels turn this fast, rad/s.
@@ -166,7 +168,10 @@ impl AnyRobot {
     pub fn calibration_moves(&self, moves: u16) -> u16 {
         match self.geometry {
             Geometry::Known => 0,
-            Geometry::Learned => (u32::from(moves) * CALIBRATION_PERCENT / 100) as u16,
+            Geometry::Learned => {
+                let share = (u32::from(moves) * CALIBRATION_PERCENT / 100) as u16;
+                share.max(LEAST_CALIBRATION_MOVES)
+            }
         }
     }
 

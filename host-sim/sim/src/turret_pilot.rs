@@ -5,7 +5,7 @@ use crate::pilot::{InspectableController, Pilot, SimState};
 use crate::robot::{AnyRobot, MAX_BEAMS};
 use amp::calibration::{Babble, BabbleLimits};
 use amp::config::Config;
-use amp::controller::{Event, Outputs, State};
+use amp::controller::{Command, Event, Outputs, State};
 use amp::som::Grid;
 use amp::turret::{self, BodySpec, VirtualTurret};
 use amp::units::Millis;
@@ -19,7 +19,8 @@ pub struct TurretController {
     body: BodySpec<MAX_BEAMS>,
     turret: Box<VirtualTurret<16, POINTS>>,
     state: Box<SimState>,
-    /// While it learns where its sensors look.
+    /// While it learns where its sensors look: by random moves of its own, and after those by the
+    /// random moves that teach the maps.
     babbling: Option<Babbling>,
 }
 
@@ -28,6 +29,12 @@ struct Babbling {
     robot: AnyRobot,
     limits: BabbleLimits,
     babble: Box<Babble<MAX_BEAMS>>,
+}
+
+impl Babbling {
+    fn learned_body(&self) -> BodySpec<MAX_BEAMS> {
+        self.robot.learned_body(&self.babble.calibration().solve())
+    }
 }
 
 impl TurretController {
@@ -69,21 +76,23 @@ impl TurretController {
 
 impl Pilot for TurretController {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
-        if let Some(Babbling {
-            robot,
-            limits,
-            babble,
-        }) = &mut self.babbling
-        {
-            let motion = babble.handle(limits, &event);
-            if babble.is_over() {
-                self.body = robot.learned_body(&babble.calibration().solve());
+        if let Some(babbling) = &mut self.babbling {
+            let was_over = babbling.babble.is_over();
+            let motion = babbling.babble.handle(&babbling.limits, &event);
+            let is_over = babbling.babble.is_over();
+            let learns = was_over && matches!(event, Event::Command(Command::Learn));
+            if learns || is_over != was_over {
+                self.body = babbling.learned_body();
+            }
+            if learns {
                 self.babbling = None;
             }
-            return Outputs {
-                motion,
-                ..Outputs::NONE
-            };
+            if !was_over {
+                return Outputs {
+                    motion,
+                    ..Outputs::NONE
+                };
+            }
         }
         turret::handle(
             &self.config,
@@ -97,6 +106,7 @@ impl Pilot for TurretController {
 
     fn calibration_moves_left(&self) -> Option<u16> {
         let babbling = self.babbling.as_ref();
+        let babbling = babbling.filter(|babbling| !babbling.babble.is_over());
         babbling.map(|babbling| babbling.babble.moves_left())
     }
 }
@@ -104,5 +114,48 @@ impl Pilot for TurretController {
 impl InspectableController for TurretController {
     fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
         Ok(&self.state)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::behavior::Behavior;
+    use crate::episode::{Setup, run};
+    use crate::robot::{AnyRobot, Geometry, Ranges};
+    use amp::config::Config;
+    use arena::robot::TurretMode;
+    use arena::robot_model::RobotModel;
+    use arena::sonar::SonarModel;
+    use arena::world::World;
+
+    fn learned(name: &str, seed: u64) -> [f64; 2] {
+        let model = RobotModel::builtin(name).expect("built in");
+        let robot = AnyRobot::new(model, Ranges::Nomad, false).expect("it fits");
+        let robot = robot.scrambled(1).with_geometry(Geometry::Learned);
+        let robot = robot.expect("it turns");
+        let setup = Setup {
+            config: robot.config(Config::recommended()),
+            preset: "default".to_owned(),
+            behavior: Behavior::Avoid,
+            explore_moves: 100,
+            steps: 1,
+            seed,
+            sonar: SonarModel::Nomad,
+            turret: TurretMode::Held,
+            robot: Some(robot),
+            set_down: None,
+            faults: Vec::new(),
+            record: false,
+        };
+        let episode = run(&World::random(seed), &setup, |_, _, _| {}).expect("it drives");
+        episode.bearing_errors_deg.expect("learned")
+    }
+
+    /// The first 20 random moves alone leave 5.6° of error on average, all 100 leave 3.9°.
+    #[test]
+    fn all_random_moves_teach_where_the_sensors_look() {
+        let errors = (300..312).map(|seed| learned("thymio2", seed)[0]);
+        let mean = errors.sum::<f64>() / 12.0;
+        assert!(mean < 4.7, "{mean}");
     }
 }

@@ -28,8 +28,8 @@ pub struct BodiesArgs {
     /// What the robots have: everything their own, or their layout and drive on the Nomad's body
     #[arg(long, value_name = "own|nomad", default_value = "nomad", value_parser = parsed::<Ranges>)]
     ranges: Ranges,
-    /// Whether the robots are told where their sensors look, or learn that from the first
-    /// quarter of their random moves
+    /// Whether the robots are told where their sensors look, or learn that from
+    /// their random moves
     #[arg(long, value_name = "known|learned", default_value = "known", value_parser = parsed::<Geometry>)]
     geometry: Geometry,
     /// Permute the wires of the sensors; the controller is not told

@@ -64,8 +64,8 @@ pub struct SetupArgs {
     /// Nomad's body, with the Nomad's range and cone
     #[arg(long, value_name = "own|nomad", default_value = "own", value_parser = parsed::<Ranges>)]
     ranges: Ranges,
-    /// Whether another robot is told where its sensors look, or learns that from the first
-    /// quarter of its random moves
+    /// Whether another robot is told where its sensors look, or learns that from its
+    /// random moves
     #[arg(long, value_name = "known|learned", default_value = "known", value_parser = parsed::<Geometry>)]
     geometry: Geometry,
     /// Permute the wires of another robot's sensors; the controller is not told
