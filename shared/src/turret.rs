@@ -9,11 +9,15 @@
 //! where it is about to go, it decides again. A guard ends motions short of any point.
 
 use crate::config::Config;
-use crate::controller::{self, Event, Mode, Motion, Outputs, Progress, State};
+use crate::controller::{Event, Motion, Outputs, Progress};
 use crate::fixed::Mask;
 use crate::points::{Beam, PointLimits, PointMemory};
 use crate::units::{Bearing, Displacement, Millis, Range};
 use serde::{Deserialize, Serialize};
+
+mod ring_controller;
+
+pub use ring_controller::RingController;
 
 /// Where a sensor stands on the body and looks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -141,17 +145,11 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
 /// sensors; displacements are in the body's frame: x ahead. The configuration should have no
 /// shield and no fault detection: both assume a ring on the robot itself.
 #[must_use]
-pub fn handle<
-    const SECTORS: usize,
-    const NEURONS: usize,
-    const SAMPLES: usize,
-    const BEAMS: usize,
-    const POINTS: usize,
->(
+pub fn handle<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>(
     config: &Config<SECTORS>,
     body: &BodySpec<BEAMS>,
     turret: &mut VirtualTurret<SECTORS, POINTS>,
-    state: &mut State<SECTORS, NEURONS, SAMPLES>,
+    controller: &mut impl RingController<SECTORS>,
     at: Millis,
     event: Event<SECTORS>,
 ) -> Outputs<SECTORS> {
@@ -159,10 +157,10 @@ pub fn handle<
         config,
         body,
         turret,
-        state,
+        controller,
         at,
     };
-    let was_moving = robot.state.is_moving();
+    let was_moving = robot.controller.is_moving();
     let outputs = match event {
         Event::Echo { sensor, range } => robot.echo(sensor, range),
         Event::Odometry {
@@ -181,7 +179,7 @@ pub fn handle<
         }
         Event::Command(_) | Event::Tick | Event::Alarm(_) | Event::Touched => robot.control(event),
     };
-    if was_moving && !robot.state.is_moving() {
+    if was_moving && !robot.controller.is_moving() {
         robot.turret.motion = None;
         robot.turret.fresh = Mask::NONE;
     }
@@ -189,31 +187,21 @@ pub fn handle<
 }
 
 /// All that an event concerns.
-struct Robot<
-    'a,
-    const SECTORS: usize,
-    const NEURONS: usize,
-    const SAMPLES: usize,
-    const BEAMS: usize,
-    const POINTS: usize,
-> {
+struct Robot<'a, C, const SECTORS: usize, const BEAMS: usize, const POINTS: usize> {
     config: &'a Config<SECTORS>,
     body: &'a BodySpec<BEAMS>,
     turret: &'a mut VirtualTurret<SECTORS, POINTS>,
-    state: &'a mut State<SECTORS, NEURONS, SAMPLES>,
+    controller: &'a mut C,
     at: Millis,
 }
 
-impl<
-    const SECTORS: usize,
-    const NEURONS: usize,
-    const SAMPLES: usize,
-    const BEAMS: usize,
-    const POINTS: usize,
-> Robot<'_, SECTORS, NEURONS, SAMPLES, BEAMS, POINTS>
+impl<C, const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
+    Robot<'_, C, SECTORS, BEAMS, POINTS>
+where
+    C: RingController<SECTORS>,
 {
     fn control(&mut self, event: Event<SECTORS>) -> Outputs<SECTORS> {
-        controller::handle(self.config, self.state, self.at, event)
+        self.controller.handle_ring(self.config, self.at, event)
     }
 
     /// A sensor was heard: under way the guard looks at it, at rest a complete ring is a decision.
@@ -228,7 +216,7 @@ impl<
         self.turret.fresh = self.turret.fresh.with(sensor.into());
         let fresh = self.turret.fresh;
         let is_complete = self.body.enabled.indices(BEAMS).all(|s| fresh.contains(s));
-        match (self.state.is_moving(), is_complete) {
+        match (self.controller.is_moving(), is_complete) {
             (false, false) => Outputs::NONE,
             (false, true) => {
                 self.turret.replans = 0;
@@ -263,11 +251,11 @@ impl<
         let (ring, _) = self.turret.memory.ring(&self.body.points);
         if self.must_decide_again(&ring) {
             self.turret.replans = self.turret.replans.saturating_add(1);
-            self.state.abandon_motion(self.at);
+            self.controller.abandon_motion(self.at);
             return self.decide();
         }
         // The controller stops a robot whose ring falls silent during a motion.
-        for sector in self.state.enabled(self.config).indices(SECTORS) {
+        for sector in self.controller.enabled(self.config).indices(SECTORS) {
             let range = ring.get(sector).copied().flatten();
             let sensor = sector as u8;
             let _ = self.control(Event::Echo { sensor, range });
@@ -279,7 +267,7 @@ impl<
     /// Random moves are not reconsidered.
     fn must_decide_again(&self, ring: &[Option<Range>; SECTORS]) -> bool {
         let turret = &self.turret;
-        let seeks = matches!(self.state.mode(), Mode::Seek { .. });
+        let seeks = self.controller.pursues_goal();
         let motion = turret.motion.filter(|motion| turret.faces_way(motion));
         motion.is_some_and(|motion| {
             let way = motion.displacement.bearing();
@@ -292,7 +280,7 @@ impl<
         let (ring, known) = self.turret.memory.ring(&self.body.points);
         self.turret.last_ring = ring;
         self.turret.fresh = Mask::NONE;
-        self.state.set_visible(known);
+        self.controller.set_visible(known);
         let mut outputs = Outputs::NONE;
         for (sector, range) in ring.into_iter().enumerate() {
             if known.contains(sector) {

@@ -93,6 +93,10 @@ const CASES: &[Case] = &[
         &["at least 20 random moves", "19"],
     ),
     (
+        "bodies --robots p3dx --geometry learned --method cosine",
+        &["--geometry learned", "--method"],
+    ),
+    (
         "bodies --robots p3dx --geometry learned --explore 3",
         &["at least 20 random moves", "3"],
     ),

@@ -6,10 +6,17 @@ use arena::sonar::SonarModel;
 use arena::world::World;
 use rayon::prelude::*;
 use sim::behavior::Behavior;
-use sim::episode::{Episode, Setup, run};
+use sim::episode::{Body, Episode, Metrics, Seeds, Setup, drive_pilot, run};
 use sim::error::EpisodeError;
+use sim::ring_pilot::RingPilot;
 use sim::robot::AnyRobot;
 use sim::statistics::median;
+use sim::turret_pilot::TurretPolicy;
+
+mod control;
+
+pub use control::Control;
+use control::ControlPolicy;
 
 /// Which generator makes the worlds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,8 +78,8 @@ pub struct BodyOutcome {
     pub contacts: u32,
     /// Distance while avoiding obstacles, m.
     pub distance_m: f64,
-    /// Mean error of the distance to a wall on the right, m.
-    pub wall_error_m: f64,
+    /// Mean error of the distance to a wall on the right, m; `None` if that was not tried.
+    pub wall_error_m: Option<f64>,
     /// Median over the worlds of the median and of the greatest error of the sensors' bearings,
     /// degrees, where they were learned.
     pub bearing_errors_deg: Option<[f64; 2]>,
@@ -133,11 +140,82 @@ pub fn measure(
         stopped: avoiding.len() - reports.len(),
         contacts: reports.iter().map(|report| report.contacts).sum(),
         distance_m: reports.iter().map(|report| report.distance_m).sum(),
-        wall_error_m: errors.iter().sum::<f64>() / errors.len().max(1) as f64,
+        wall_error_m: (!errors.is_empty())
+            .then(|| errors.iter().sum::<f64>() / errors.len() as f64),
         bearing_errors_deg: bearing_errors(0)
             .zip(bearing_errors(1))
             .map(<[f64; 2]>::from),
     }
+}
+
+/// As [`measure`], for a rule without maps; it only avoids obstacles.
+pub fn measure_control(
+    robot: Option<&AnyRobot>,
+    control: Control,
+    sonar: SonarModel,
+    trial: &BodyTrial,
+    done: &(impl Fn() + Sync),
+) -> BodyOutcome {
+    let seeds = trial.first..trial.first + u64::from(trial.worlds);
+    let drives: Vec<_> = seeds
+        .into_par_iter()
+        .map(|seed| {
+            let drive = drive_control(robot, control, sonar, trial, seed);
+            done();
+            drive
+        })
+        .collect();
+    let driven: Vec<_> = drives.iter().flatten().collect();
+    BodyOutcome {
+        worlds: drives.len(),
+        clean: driven
+            .iter()
+            .filter(|metrics| metrics.contacts == 0)
+            .count(),
+        stopped: drives.len() - driven.len(),
+        contacts: driven.iter().map(|metrics| metrics.contacts).sum(),
+        distance_m: driven.iter().map(|metrics| metrics.distance_m).sum(),
+        wall_error_m: None,
+        bearing_errors_deg: None,
+    }
+}
+
+/// Distance that a control keeps from obstacles, in units of the goal's clearance: the best of 1,
+/// 1.5 and 2 in the rooms 200 to 247.
+const CONTROL_CLEARANCE: f64 = 2.0;
+
+fn drive_control(
+    robot: Option<&AnyRobot>,
+    control: Control,
+    sonar: SonarModel,
+    trial: &BodyTrial,
+    seed: u64,
+) -> Result<Metrics, EpisodeError> {
+    let (world, seeds) = (trial.generator.world(seed), Seeds::of(seed));
+    let config = setup(robot, sonar, trial, &Behavior::Avoid, seed).config;
+    let clearance_m = CONTROL_CLEARANCE * f64::from(config.clearance_mm) / 1e3;
+    let step_m = f64::from(config.robot.step_mm) / 1e3;
+    let policy = ControlPolicy::new(control, clearance_m, step_m, seeds.exploration);
+    let drive = |policy, steps| match robot {
+        None => {
+            let mut pilot = RingPilot::new(policy, None);
+            let body = Body::new(&world, sonar, TurretMode::Held, seeds.noise);
+            let metrics = drive_pilot(&world, &mut pilot, body, steps)?;
+            Ok((metrics, pilot.into_policy()))
+        }
+        Some(robot) => {
+            let mut pilot = TurretPolicy::new(config.clone(), robot, policy);
+            let body = Body::of_robot(&world, robot, sonar, seeds.noise);
+            let metrics = drive_pilot(&world, &mut pilot, body, steps)?;
+            Ok((metrics, pilot.into_policy()))
+        }
+    };
+    let policy = if control.learns() {
+        drive(policy, trial.explore_moves.into())?.1.learned()
+    } else {
+        policy
+    };
+    drive(policy, trial.steps).map(|(metrics, _)| metrics)
 }
 
 fn setup(

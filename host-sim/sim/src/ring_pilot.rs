@@ -9,6 +9,7 @@ use amp::controller::{Decision, Event, Motion, Outputs, Progress, Tracked};
 use amp::fixed::Mask;
 use amp::scan::{Echo, Scan};
 use amp::shield::{Allowed, Shield, ShieldConfig};
+use amp::turret::RingController;
 use amp::units::{Bearing, Displacement, Millis, Range};
 use arena::world::{Point, Pose, wrap_angle};
 use std::f64::consts::{PI, TAU};
@@ -125,6 +126,18 @@ impl<P: Policy> RingPilot<P> {
         }
     }
 
+    /// A pilot of another robot that follows `policy`: behind a virtual turret, without a shield.
+    #[must_use]
+    pub fn of_robot(policy: P, config: Config<16>) -> Self {
+        Self {
+            config: Config {
+                shield: None,
+                ..config
+            },
+            ..Self::new(policy, None)
+        }
+    }
+
     /// The policy.
     #[must_use]
     pub fn policy(&self) -> &P {
@@ -134,6 +147,11 @@ impl<P: Policy> RingPilot<P> {
     /// The policy, mutable.
     pub fn policy_mut(&mut self) -> &mut P {
         &mut self.policy
+    }
+
+    /// The policy, without its pilot.
+    pub fn into_policy(self) -> P {
+        self.policy
     }
 
     /// Dead-reckoned pose since the start.
@@ -149,7 +167,7 @@ impl<P: Policy> RingPilot<P> {
         }
         if self.moving {
             self.guard(sensor, echo.at)
-        } else if self.scan.is_complete(Mask::ALL) {
+        } else if self.scan.is_complete(self.config.enabled) {
             self.decide(echo.at)
         } else {
             Outputs::NONE
@@ -192,7 +210,10 @@ impl<P: Policy> RingPilot<P> {
     fn perception(&mut self) -> Perception {
         let ended = self.active.take();
         Perception {
-            ranges: self.scan.echoes().map(|echo| echo.range),
+            ranges: std::array::from_fn(|sensor| {
+                let echo = self.scan.echoes()[sensor];
+                echo.range.filter(|_| self.config.enabled.contains(sensor))
+            }),
             pose: self.pose,
             turned: ended.map_or(Bearing::ZERO, |ended| ended.turned),
             last: ended.map(|ended| MotionOutcome {
@@ -308,6 +329,33 @@ impl<P: Policy> Pilot for RingPilot<P> {
             }
             Event::Command(_) | Event::Tick | Event::Alarm(_) | Event::Touched => Outputs::NONE,
         }
+    }
+}
+
+impl<P: Policy> RingController<16> for RingPilot<P> {
+    fn handle_ring(&mut self, _: &Config<16>, at: Millis, event: Event<16>) -> Outputs<16> {
+        self.handle(at, event)
+    }
+
+    fn is_moving(&self) -> bool {
+        self.moving
+    }
+
+    fn pursues_goal(&self) -> bool {
+        true
+    }
+
+    fn enabled(&self, _: &Config<16>) -> Mask {
+        self.config.enabled
+    }
+
+    fn set_visible(&mut self, visible: Mask) {
+        self.config.enabled = visible;
+    }
+
+    fn abandon_motion(&mut self, _: Millis) {
+        (self.active, self.moving) = (None, false);
+        self.scan.renew();
     }
 }
 

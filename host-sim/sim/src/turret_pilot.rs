@@ -2,6 +2,7 @@
 
 use crate::error::EpisodeError;
 use crate::pilot::{InspectableController, Pilot, SimState};
+use crate::ring_pilot::{Policy, RingPilot};
 use crate::robot::{AnyRobot, MAX_BEAMS};
 use amp::calibration::{Babble, BabbleLimits};
 use amp::config::Config;
@@ -74,6 +75,44 @@ impl TurretController {
     }
 }
 
+/// A rule that decides by rings, behind a virtual turret.
+pub struct TurretPolicy<P> {
+    config: Config<16>,
+    body: BodySpec<MAX_BEAMS>,
+    turret: Box<VirtualTurret<16, POINTS>>,
+    ring: RingPilot<P>,
+}
+
+impl<P: Policy> TurretPolicy<P> {
+    /// A pilot of this robot that follows `policy`; `config` is [`AnyRobot::config`]'s.
+    #[must_use]
+    pub fn new(config: Config<16>, robot: &AnyRobot, policy: P) -> Self {
+        Self {
+            ring: RingPilot::of_robot(policy, config.clone()),
+            config,
+            body: robot.body(),
+            turret: Box::default(),
+        }
+    }
+
+    /// The policy, without its pilot.
+    pub fn into_policy(self) -> P {
+        self.ring.into_policy()
+    }
+}
+
+impl<P: Policy> Pilot for TurretPolicy<P> {
+    fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
+        let Self {
+            config,
+            body,
+            turret,
+            ring,
+        } = self;
+        turret::handle(config, body, turret, ring, at, event)
+    }
+}
+
 impl Pilot for TurretController {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         if let Some(babbling) = &mut self.babbling {
@@ -98,7 +137,7 @@ impl Pilot for TurretController {
             &self.config,
             &self.body,
             &mut self.turret,
-            &mut self.state,
+            &mut *self.state,
             at,
             event,
         )

@@ -7,7 +7,7 @@ use amp::config::Config;
 use arena::robot_model::RobotModel;
 use arena::sonar::SonarModel;
 use clap::{Args, ValueEnum};
-use experiments::bodies::{BodyOutcome, BodyTrial, Generator, measure};
+use experiments::bodies::{BodyOutcome, BodyTrial, Control, Generator, measure, measure_control};
 use files::error::BadInput;
 use sim::pilot::MAX_MOVES;
 use sim::robot::{AnyRobot, Geometry, Ranges};
@@ -35,6 +35,10 @@ pub struct BodiesArgs {
     /// Permute the wires of the sensors; the controller is not told
     #[arg(long, value_name = "SEED")]
     scramble: Option<u64>,
+    /// What chooses the moves: the maps, or a rule without maps, which only avoids obstacles and
+    /// has no guard
+    #[arg(long, value_name = "NAME", default_value = "maps", value_enum)]
+    method: Method,
     /// Generator of the worlds
     #[arg(long, value_name = "NAME", default_value = "random", value_enum)]
     generator: GeneratorChoice,
@@ -53,6 +57,33 @@ pub struct BodiesArgs {
     /// Print Markdown
     #[arg(long)]
     markdown: bool,
+}
+
+/// What chooses the moves, as named on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Method {
+    /// The two maps
+    Maps,
+    /// A range shrinks by the cosine of the angle to the move: nothing is learned
+    Cosine,
+    /// Random moves: each range is linear in the move, by least squares
+    LeastSquares,
+    /// The same by least absolute deviations
+    Robust,
+    /// Random moves: the mean of the five most similar ones
+    Nearest,
+}
+
+impl Method {
+    const fn control(self) -> Option<Control> {
+        match self {
+            Self::Maps => None,
+            Self::Cosine => Some(Control::Cosine),
+            Self::LeastSquares => Some(Control::LeastSquares),
+            Self::Robust => Some(Control::Robust),
+            Self::Nearest => Some(Control::Nearest),
+        }
+    }
 }
 
 /// Generators as named on the command line.
@@ -84,17 +115,33 @@ const HEADS: [&str; 9] = [
 /// # Errors
 /// An unknown robot or a bad file.
 pub fn bodies(args: &BodiesArgs, out: &mut impl Write) -> Result<(), CliError> {
+    let control = args.method.control();
+    if control.is_some() && args.geometry == Geometry::Learned {
+        return Err(BadInput::new(
+            "--geometry learned: only with the maps, not with another --method",
+        )
+        .into());
+    }
     let robots = robots(args)?;
     let conditions = [SonarModel::Ideal, SonarModel::Nomad];
-    let guards = [false, true];
-    let per_row = 2 * u64::from(args.worlds);
-    let progress = bar(4 * per_row * robots.len() as u64, "episodes");
+    let guards = if control.is_some() {
+        &[false][..]
+    } else {
+        &[false, true]
+    };
+    let per_row = u64::from(args.worlds) * if control.is_some() { 1 } else { 2 };
+    let rows = (robots.len() * conditions.len() * guards.len()) as u64;
+    let progress = bar(per_row * rows, "episodes");
     let mut rows = Vec::new();
     for (name, robots) in &robots {
         for sonar in conditions {
-            for (has_guard, robot) in guards.into_iter().zip(robots) {
-                let trial = trial(args, has_guard);
-                let outcome = measure(robot.as_ref(), sonar, &trial, &|| progress.inc(1));
+            for (&has_guard, robot) in guards.iter().zip(robots) {
+                let (robot, trial) = (robot.as_ref(), trial(args, has_guard));
+                let done = || progress.inc(1);
+                let outcome = match control {
+                    None => measure(robot, sonar, &trial, &done),
+                    Some(control) => measure_control(robot, control, sonar, &trial, &done),
+                };
                 rows.push(row(name, sonar, has_guard, &outcome));
             }
         }
@@ -181,7 +228,10 @@ fn row(name: &str, sonar: SonarModel, has_guard: bool, outcome: &BodyOutcome) ->
         format!("{:.1}", outcome.clean_percent()),
         driven(format!("{:.2}", outcome.contacts_per_km())),
         driven(format!("{:.0}", outcome.distance_m / drove as f64)),
-        driven(format!("{:.2}", outcome.wall_error_m)),
+        match outcome.wall_error_m {
+            None => "–".to_owned(),
+            Some(error_m) => driven(format!("{error_m:.2}")),
+        },
         match outcome.bearing_errors_deg {
             None => "–".to_owned(),
             Some([median, worst]) => format!("{median:.1}, {worst:.1}"),

@@ -1,0 +1,66 @@
+//! What the virtual turret needs of the controller behind it.
+
+use crate::config::Config;
+use crate::controller::{self, Event, Mode, Outputs, State};
+use crate::fixed::Mask;
+use crate::units::Millis;
+
+/// A controller that decides by whole rings of a turret that keeps its bearing: [`State`], or a
+/// rule to compare it with.
+pub trait RingController<const SECTORS: usize> {
+    /// Handles an event of the ring.
+    fn handle_ring(
+        &mut self,
+        config: &Config<SECTORS>,
+        at: Millis,
+        event: Event<SECTORS>,
+    ) -> Outputs<SECTORS>;
+
+    /// Whether the base has been sent on its way and has not reported its end.
+    fn is_moving(&self) -> bool;
+
+    /// Whether it pursues a goal, so that a decision may be taken anew.
+    fn pursues_goal(&self) -> bool;
+
+    /// The sectors that it uses.
+    fn enabled(&self, config: &Config<SECTORS>) -> Mask;
+
+    /// Limits what is used of the ring to these sectors, until the next call.
+    fn set_visible(&mut self, visible: Mask);
+
+    /// Ends the motion under way before it began: nothing is learned from it.
+    fn abandon_motion(&mut self, at: Millis);
+}
+
+impl<const SECTORS: usize, const NEURONS: usize, const SAMPLES: usize> RingController<SECTORS>
+    for State<SECTORS, NEURONS, SAMPLES>
+{
+    fn handle_ring(
+        &mut self,
+        config: &Config<SECTORS>,
+        at: Millis,
+        event: Event<SECTORS>,
+    ) -> Outputs<SECTORS> {
+        controller::handle(config, self, at, event)
+    }
+
+    fn is_moving(&self) -> bool {
+        Self::is_moving(self)
+    }
+
+    fn pursues_goal(&self) -> bool {
+        matches!(self.mode(), Mode::Seek { .. })
+    }
+
+    fn enabled(&self, config: &Config<SECTORS>) -> Mask {
+        Self::enabled(self, config)
+    }
+
+    fn set_visible(&mut self, visible: Mask) {
+        Self::set_visible(self, visible);
+    }
+
+    fn abandon_motion(&mut self, at: Millis) {
+        Self::abandon_motion(self, at);
+    }
+}
