@@ -186,7 +186,7 @@ impl<const POINTS: usize> PointMemory<POINTS> {
     /// the sectors that are known. The range of an unknown sector is `None`.
     ///
     /// A sector's range is that of its nearest point, within 12.5° of its axis in a ring of 16.
-    /// Points that [tell nothing here](Point::tells) count only in sectors without others. But a
+    /// Far points seen from elsewhere count only in sectors without others. But a
     /// point lies on its beam's axis, and what returned the echo may lie anywhere in the beam's
     /// cone. So if a beam looks along the axis from here, the others only count where they are
     /// nearer by more than [`beyond_mm`](PointLimits::beyond_mm).

@@ -1,7 +1,7 @@
 //! A virtual turret: whatever sensors a body has, the controller sees a ring that keeps its bearing
 //! in the world.
 //!
-//! [`handle`] stands between the body and [`controller::handle`]. Echoes
+//! [`handle`] stands between the body and [`controller::handle`](crate::controller::handle). Echoes
 //! and odometry come in the body's frame; the points they leave are read off as a ring of sectors.
 //! Sectors that nobody has seen are masked out. Motions go out in the body's frame.
 //!
