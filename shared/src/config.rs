@@ -147,6 +147,10 @@ pub struct Learning {
     /// Which displacement of a sample is learned.
     #[serde(alias = "taught")]
     pub learn_from: LearnFrom,
+    /// A transducer whose range changes by more than this in a move has met another surface, and
+    /// nothing is learned from that change, millimeters. At or beyond the far limit all are learned
+    /// from.
+    pub largest_change_mm: u16,
     /// Border of both grids.
     pub edges: Edges,
     /// The situation map's training.
@@ -299,6 +303,9 @@ mod tests {
         assert_eq!(halves(&best.learning.actions), (32_768, 655));
         let radius = Schedule::from_q16(65_536, 19_660, Decay::Linear);
         assert_eq!(best.learning.actions.radius, radius);
+        for preset in [&literal, &best] {
+            assert!(preset.learning.largest_change_mm >= preset.encoding.far_mm);
+        }
         let online = best.online.expect("it learns");
         assert_eq!(
             (online.situation_rate_q16, online.action_rate_q16),
@@ -307,7 +314,7 @@ mod tests {
         let sum =
             |config: &Config<16>| crate::checksum::checksum(config.to_bytes(&mut [0; MAX_CONFIG]));
         let sums = [literal, Config::probing(), best].map(|config| sum(&config));
-        assert_eq!(sums, [0xf042_b63f, 0x69c7_118f, 0xae31_8ba1]);
+        assert_eq!(sums, [0x090a_ada2, 0x937c_73c3, 0x5141_7167]);
     }
 
     #[test]

@@ -111,6 +111,29 @@ impl Encoding {
         Self::value_within(u32::from(self.far_mm), self.width(), range)
     }
 
+    /// The transducers whose range changed by no more than `largest_mm`, as far as their values
+    /// tell.
+    #[must_use]
+    pub fn changed_within<const SENSORS: usize>(
+        self,
+        before: &Situation<SENSORS>,
+        after: &Situation<SENSORS>,
+        largest_mm: u16,
+    ) -> Mask {
+        let mut within = Mask::ALL;
+        if largest_mm >= self.far_mm {
+            return within;
+        }
+        let ones = u32::from(largest_mm).wrapping_mul(u32::from(ONE_BITS.unsigned_abs()));
+        let largest = ones.wrapping_div(self.width());
+        for (index, (before, after)) in before.iter().zip(after).enumerate() {
+            if u32::from(before.to_bits().abs_diff(after.to_bits())) > largest {
+                within = within.without(index);
+            }
+        }
+        within
+    }
+
     /// From the far to the near limit, at least 1.
     fn width(self) -> u32 {
         u32::from(self.far_mm.saturating_sub(self.near_mm)).max(1)
@@ -215,6 +238,17 @@ mod tests {
         assert!(!scan.has_heard_all(Mask::ALL) && !scan.is_complete(Mask::ALL.without(1)));
         assert!(scan.has_heard_all(Mask::ALL.without(1)));
         assert!(scan.is_complete(Mask::NONE.with(2)) && scan.is_complete(Mask::NONE));
+    }
+
+    #[test]
+    fn a_larger_change_than_asked_for_is_told_from_the_others() {
+        let values = |mm: [u16; 4]| mm.map(|mm| ENCODING.value(Some(Range::from_mm(mm))));
+        // Beyond the far limit nothing changes.
+        let (before, after) = (values([500, 500, 500, 950]), values([500, 250, 801, 1_500]));
+        let within = |mm| ENCODING.changed_within(&before, &after, mm);
+        assert_eq!(within(300), Mask::ALL.without(2));
+        assert_eq!(within(249), Mask::ALL.without(1).without(2));
+        assert_eq!(within(u16::MAX), Mask::ALL);
     }
 
     #[test]

@@ -61,9 +61,6 @@ mod kind {
 /// CRC-32 of the grammar of the saved types: everything from the configuration on.
 pub const GRAMMAR: u32 = CRC.checksum(saved_grammar(include_bytes!("wire/schema.txt")));
 
-/// [`GRAMMAR`] under protocol version 1, which had other names for the same bytes.
-const FORMER_GRAMMAR: u32 = 0x1113_3147;
-
 /// The grammar from the line of `Config` on.
 const fn saved_grammar(mut text: &[u8]) -> &[u8] {
     while let [_, rest @ ..] = text {

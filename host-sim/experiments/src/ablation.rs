@@ -71,7 +71,7 @@ pub struct AblationFigures {
 }
 
 /// Options changed one at a time from the preset `default`.
-const CHANGES: [&str; 39] = [
+const CHANGES: [&str; 40] = [
     "planner=neurons",
     "planner=recall",
     "near=0.15",
@@ -96,6 +96,7 @@ const CHANGES: [&str; 39] = [
     "action-weight=0.25",
     "action-weight=4",
     "learn-from=commanded",
+    "largest-change=0.35",
     "edges=wrapped",
     "situation.neighborhood=gaussian",
     "situation.rate=0.2:0.02:inverse",

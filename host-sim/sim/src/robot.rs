@@ -1,7 +1,7 @@
 //! Robots other than the Nomad: a model, and what its sensors can tell.
 
 use amp::calibration::BabbleLimits;
-use amp::config::{Config, Exploration};
+use amp::config::{Config, Exploration, Learning};
 use amp::fixed::Mask;
 use amp::points::PointLimits;
 use amp::robot::{RobotSpec, evenly_spaced};
@@ -87,6 +87,9 @@ const CALIBRATION_PERCENT: u32 = 20;
 const LEAST_CALIBRATION_MOVES: u16 = 12;
 /// Distance from the body that a random move leaves meanwhile, mm of the Nomad's.
 const BABBLE_MARGIN_MM: u16 = 30;
+/// A range that changes by more in a move has met another surface, mm of the Nomad's: its longest
+/// step, and what noise and slanting walls add.
+const LARGEST_CHANGE_MM: u16 = 350;
 /// A holonomic base moves any way at once: its wheels turn this fast, rad/s.
 const AT_ONCE_RAD_S: f64 = 1e3;
 /// Turns of a differential drive with the Nomad's body, rad/s.
@@ -367,6 +370,10 @@ impl AnyRobot {
             exploration: Exploration {
                 shortest_mm: scaled(config.exploration.shortest_mm).min(reach_mm / 8),
                 ..config.exploration
+            },
+            learning: Learning {
+                largest_change_mm: scaled(config.learning.largest_change_mm.min(LARGEST_CHANGE_MM)),
+                ..config.learning
             },
             clearance_mm: scaled(config.clearance_mm).min(reach_mm / 2),
             shield: None,

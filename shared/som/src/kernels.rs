@@ -1,7 +1,7 @@
 //! Interface for CPU-specific kernels: BMU search and update of 16 neurons with 16 components.
 //!
 //! Results are bit-identical to those of the portable code; tests on the chip compare them. Maps of
-//! other sizes, partial masks and gains of 1/2 or more always use the portable code.
+//! other sizes and gains of 1/2 or more always use the portable code.
 
 use crate::fixed::{Mask, Scalar as _, Weight, Weight32, high_product};
 use crate::grid::Grid;
@@ -56,6 +56,9 @@ const fn margin(dims: usize) -> i32 {
 /// bits.
 const MAX_JOINT_WEIGHT_Q8: u16 = 512;
 
+/// Most neurons that a direct neighborhood moves: the winner and four neighbors.
+const MOST_MOVING: usize = 5;
+
 /// Result of a search by ranks.
 pub(crate) enum BmuCandidates {
     /// The BMU.
@@ -93,8 +96,9 @@ impl Accelerator {
         &self,
         code: &[[Weight32; DIMS]; NEURONS],
         probe: &[Weight; DIMS],
+        mask: Mask,
     ) -> Option<BmuCandidates> {
-        self.search(code, &self.norms, probe, margin(DIMS))
+        self.search(code, &self.norms, probe, mask, margin(DIMS))
     }
 
     /// As [`candidates`](Self::candidates), with the weighted distances of a second map. `None` if
@@ -103,7 +107,7 @@ impl Accelerator {
     pub(crate) fn joint_candidates<const NEURONS: usize, const DIMS: usize, const OTHER: usize>(
         &self,
         code: &[[Weight32; DIMS]; NEURONS],
-        probe: &[Weight; DIMS],
+        (probe, mask): (&[Weight; DIMS], Mask),
         other: &[[Weight32; OTHER]; NEURONS],
         other_probe: &[Weight; OTHER],
         weight_q8: u16,
@@ -124,7 +128,7 @@ impl Accelerator {
             *base = base.wrapping_add(weighted as i32);
         }
         // The weight is below 2, so each of its two components adds less than two errors.
-        self.search(code, &bases, probe, margin(DIMS + 4))
+        self.search(code, &bases, probe, mask, margin(DIMS + 4))
     }
 
     #[inline]
@@ -133,10 +137,16 @@ impl Accelerator {
         code: &[[Weight32; DIMS]; NEURONS],
         bases: &[i32; 16],
         probe: &[Weight; DIMS],
+        mask: Mask,
         margin: i32,
     ) -> Option<BmuCandidates> {
-        let probe = probe.as_slice().try_into().ok()?;
-        let found = (self.kernels.candidates)(sized(code)?, bases, probe, margin);
+        let (code, probe) = (sized(code)?, probe.as_slice().try_into().ok()?);
+        let found = if mask.covers(DIMS) {
+            (self.kernels.candidates)(code, bases, probe, margin)
+        } else {
+            let (bases, probe) = without_gaps(code, bases, probe, mask);
+            (self.kernels.candidates)(code, &bases, &probe, margin)
+        };
         Some(if found < 1 << 16 {
             BmuCandidates::One(found as usize)
         } else {
@@ -150,11 +160,47 @@ impl Accelerator {
         &mut self,
         code: &mut [[Weight32; DIMS]; NEURONS],
         probe: &[Weight; DIMS],
+        mask: Mask,
         groups: &[Group; 2],
     ) -> Option<()> {
-        let probe = probe.as_slice().try_into().ok()?;
-        (self.kernels.update)(sized_mut(code)?, &mut self.norms, probe, groups);
+        let (code, probe) = (sized_mut(code)?, probe.as_slice().try_into().ok()?);
+        if mask.covers(DIMS) {
+            (self.kernels.update)(code, &mut self.norms, probe, groups);
+        } else {
+            self.update_in_part(code, probe, mask, groups);
+        }
         Some(())
+    }
+
+    /// The kernel moves whole code vectors; what lies outside the mask is put back.
+    #[inline(never)]
+    fn update_in_part(
+        &mut self,
+        code: &mut [[Weight32; 16]; 16],
+        probe: &[Weight; 16],
+        mask: Mask,
+        groups: &[Group; 2],
+    ) {
+        let [first, second] = groups;
+        let moving = Mask::from_bits(first.neurons | second.neurons);
+        let mut before = [[Weight32::ZERO; 16]; MOST_MOVING];
+        for (kept, k) in before.iter_mut().zip(moving.indices(16)) {
+            *kept = code.get(k).copied().unwrap_or(*kept);
+        }
+        (self.kernels.update)(code, &mut self.norms, probe, groups);
+        for (kept, k) in before.iter().zip(moving.indices(16)) {
+            let (Some(row), Some(norm)) = (code.get_mut(k), self.norms.get_mut(k)) else {
+                continue;
+            };
+            for gap in mask.complement().indices(16) {
+                if let (Some(now), Some(kept)) = (row.get_mut(gap), kept.get(gap)) {
+                    let (new, old) = (now.to_bits(), kept.to_bits());
+                    *norm = (norm.wrapping_add(high_product(old, old)))
+                        .wrapping_sub(high_product(new, new));
+                    *now = *kept;
+                }
+            }
+        }
     }
 }
 
@@ -184,6 +230,28 @@ pub(crate) fn groups(update: &Update, grid: Grid, bmu: usize) -> Option<[Group; 
             neurons: neighbors.to_bits(),
         },
     ])
+}
+
+/// Bases and probe with which the components outside the mask change no rank: their squares are
+/// not part of the bases, and the probe is zero there.
+#[inline(never)]
+fn without_gaps(
+    code: &[[Weight32; 16]; 16],
+    bases: &[i32; 16],
+    probe: &[Weight; 16],
+    mask: Mask,
+) -> ([i32; 16], [Weight; 16]) {
+    let (mut bases, mut probe) = (*bases, *probe);
+    for gap in mask.complement().indices(16) {
+        if let Some(value) = probe.get_mut(gap) {
+            *value = Weight::ZERO;
+        }
+        for (base, row) in bases.iter_mut().zip(code) {
+            let w = row.get(gap).map_or(0, |w| w.to_bits());
+            *base = base.wrapping_sub(high_product(w, w));
+        }
+    }
+    (bases, probe)
 }
 
 /// Whether a map has the kernels' size.

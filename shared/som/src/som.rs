@@ -137,10 +137,10 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         }
     }
 
-    /// The kernels, if they support this size and mask.
+    /// The kernels, if they support this size.
     #[inline]
-    fn accelerator(&self, mask: Mask) -> Option<&Accelerator> {
-        if fit(NEURONS, DIMS) && mask.covers(DIMS) {
+    fn accelerator(&self) -> Option<&Accelerator> {
+        if fit(NEURONS, DIMS) {
             self.accelerator.as_ref()
         } else {
             None
@@ -160,8 +160,8 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     #[inline(never)]
     #[must_use]
     pub fn bmu(&self, probe: &[Weight; DIMS], mask: Mask) -> usize {
-        let by_ranks = |accelerator: &Accelerator| accelerator.candidates(&self.code, probe);
-        match self.accelerator(mask).and_then(by_ranks) {
+        let by_ranks = |accelerator: &Accelerator| accelerator.candidates(&self.code, probe, mask);
+        match self.accelerator().and_then(by_ranks) {
             Some(BmuCandidates::One(bmu)) => bmu,
             Some(BmuCandidates::Several(candidates)) => {
                 nearest_of(candidates, |k| self.distance(k, probe, mask))
@@ -191,9 +191,10 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
             self.distance(k, probe, mask).saturating_add(weighted)
         };
         let by_ranks = |accelerator: &Accelerator| {
+            let probe = (probe, mask);
             accelerator.joint_candidates(&self.code, probe, &other.code, other_probe, weight_q8)
         };
-        match self.accelerator(mask).and_then(by_ranks) {
+        match self.accelerator().and_then(by_ranks) {
             Some(BmuCandidates::One(bmu)) => bmu,
             Some(BmuCandidates::Several(candidates)) => nearest_of(candidates, distance),
             None => least((0..NEURONS).map(distance)),
@@ -223,12 +224,12 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         mask: Mask,
         update: &Update,
     ) -> Option<()> {
-        if !fit(NEURONS, DIMS) || !mask.covers(DIMS) {
+        if !fit(NEURONS, DIMS) {
             return None;
         }
         let accelerator = self.accelerator.as_mut()?;
         let groups = groups(update, self.grid, bmu)?;
-        accelerator.update(&mut self.code, probe, &groups)
+        accelerator.update(&mut self.code, probe, mask, &groups)
     }
 
     #[inline(never)]

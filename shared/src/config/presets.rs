@@ -44,6 +44,7 @@ impl Config<16> {
                 augment_rotations: false,
                 action_weight_q8: 256,
                 learn_from: LearnFrom::Executed,
+                largest_change_mm: 10_000,
                 edges: Edges::Open,
                 situations: training,
                 actions: training,

@@ -50,6 +50,7 @@ impl<const SENSORS: usize> Config<SENSORS> {
                 augment_rotations: false,
                 action_weight_q8: 0,
                 learn_from: LearnFrom::Commanded,
+                largest_change_mm: 0,
                 edges: Edges::Open,
                 situations: training,
                 actions: training,

@@ -47,10 +47,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let mut left = left;
         let enabled = self.enabled(config);
         if let Some(pending) = self.pending.take() {
+            let seen = enabled.and(same_surfaces(config, &pending.before.0, &situation.0));
             // The command was refused unless the memory holds all the samples.
             let _ = self.memory.keep(Sample {
-                before: memory::to_bytes(&pending.before.0, enabled),
-                after: memory::to_bytes(&situation.0, enabled),
+                before: memory::to_bytes(&pending.before.0, seen),
+                after: memory::to_bytes(&situation.0, seen),
                 commanded: pending.commanded,
                 executed: pending.executed,
             });
@@ -199,16 +200,21 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         after: &Situation<SENSORS>,
     ) -> Option<usize> {
         let online = config.online?;
-        let effect = self.last_effect(config, enabled, after)?;
+        let same = same_surfaces(config, &self.pending.as_ref()?.before.0, after);
         let halvings = self.halvings();
         let update =
             |rate: u32| Update::from_q16(Neighborhood::Direct, rate >> halvings, online.share_q16);
-        let winner = match self.acting_neuron {
-            Some(neuron) if online.blame_recalled => usize::from(neuron),
-            _ => self.actions.bmu(&effect, config.learning.action_weight_q8),
-        };
-        let action_update = update(online.action_rate_q16);
-        self.actions.update(winner, &effect, &action_update);
+        // Another surface tells nothing about the move.
+        if enabled.and(same) == enabled
+            && let Some(effect) = self.last_effect(config, enabled, after)
+        {
+            let winner = match self.acting_neuron {
+                Some(neuron) if online.blame_recalled => usize::from(neuron),
+                _ => self.actions.bmu(&effect, config.learning.action_weight_q8),
+            };
+            let action_update = update(online.action_rate_q16);
+            self.actions.update(winner, &effect, &action_update);
+        }
         let situation_update = update(online.situation_rate_q16);
         let winner = self
             .situations
@@ -335,6 +341,16 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             ..Outputs::none()
         }
     }
+}
+
+/// The transducers that met the same surface before and after a move.
+fn same_surfaces<const SENSORS: usize>(
+    config: &Config<SENSORS>,
+    before: &Situation<SENSORS>,
+    after: &Situation<SENSORS>,
+) -> Mask {
+    let largest_mm = config.learning.largest_change_mm;
+    config.encoding.changed_within(before, after, largest_mm)
 }
 
 /// The goal of a robot that wanders, instead of its own: obstacle avoidance on another course.

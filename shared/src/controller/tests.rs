@@ -203,6 +203,39 @@ fn exploring_remembers_each_move() {
     );
 }
 
+/// The robot stands still, and one range gets shorter.
+#[test]
+fn what_meets_another_surface_is_no_part_of_the_sample() {
+    let unknown = |largest_mm, jump_mm: u16| {
+        let mut bench = Bench::new(Config::recommended());
+        bench.config.learning.largest_change_mm = largest_mm;
+        bench.send(Event::Command(Command::Explore { moves: 1, seed: 1 }));
+        let motion = bench.ring().motion.expect("a motion");
+        bench.execute(Motion {
+            displacement: Displacement::ZERO,
+            ..motion
+        });
+        bench.time += 640;
+        for sensor in 0..16 {
+            let jump_mm = if sensor == 5 { jump_mm } else { 0 };
+            let range = Some(Range::from_mm(bench.range_mm(sensor) as u16 - jump_mm));
+            let sensor = sensor as u8;
+            bench.send(Event::Echo { sensor, range });
+        }
+        let [sample] = *bench.state.memory().samples() else {
+            panic!("one sample")
+        };
+        [sample.before, sample.after].map(|bytes| {
+            let places = bytes.iter().enumerate();
+            let unknown = places.filter(|(_, byte)| **byte == u8::MAX);
+            unknown.map(|(place, _)| place).collect::<Vec<_>>()
+        })
+    };
+    assert_eq!(unknown(300, 310), [[5], [5]]);
+    assert_eq!(unknown(300, 290), [[0; 0]; 2]);
+    assert_eq!(unknown(320, 310), [[0; 0]; 2]);
+}
+
 /// Transducer 0 hears nothing of what the body meets ahead.
 #[test]
 fn the_detector_is_told_of_contacts_and_of_nothing_else() {

@@ -208,8 +208,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     /// leaves an empty state, with [`ImageError::Version`].
     pub fn read(&mut self, read: Read<'_>, most: usize) -> Result<ImageInfo, ImageError> {
         let (head, bytes) = look(read, most)?;
-        let readable = [GRAMMAR, FORMER_GRAMMAR].contains(&head.grammar);
-        if head.layout != LAYOUT || !readable {
+        if head.layout != LAYOUT || head.grammar != GRAMMAR {
             return Err(ImageError::Version);
         }
         let ours = (SENSORS as u8, NEURONS as u8);

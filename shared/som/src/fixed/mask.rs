@@ -70,6 +70,12 @@ impl Mask {
         }
     }
 
+    /// The components that are not selected.
+    #[must_use]
+    pub const fn complement(self) -> Self {
+        Self(!self.0)
+    }
+
     /// The components selected in both masks.
     #[must_use]
     pub const fn and(self, other: Self) -> Self {

@@ -159,6 +159,26 @@ fn each_move_teaches_the_winners_alone_or_their_neighbors_as_well() {
     assert_ne!(changed(&before, &after)[1], [asked]);
 }
 
+/// Of a move of up to 250 mm with which a range changes by more than 100 mm the action map learns
+/// nothing; the situation map learns what is there.
+#[test]
+fn a_move_to_another_surface_teaches_no_action() {
+    let taught = |largest_mm| {
+        // Bench sets its own.
+        let mut bench = Bench::ready(Config::probing());
+        bench.config.learning.largest_change_mm = largest_mm;
+        (bench.x, bench.y) = (1_300, 400);
+        bench.send(Event::Command(Command::Seek(Goal::free_of_obstacles())));
+        let motion = bench.ring().motion.expect("a motion");
+        let before = bench.state.clone();
+        bench.execute(motion);
+        bench.ring();
+        changed(&before, &bench.state).map(|neurons| neurons.len())
+    };
+    assert_eq!(taught(100), [1, 0]);
+    assert_eq!(taught(4_500), [1, 1]);
+}
+
 /// What the one neuron that learned from a move was taught of action and change: it went a fiftieth
 /// of the way there.
 fn lesson(before: &Robot, after: &Robot) -> ([f64; 2], [f64; 16]) {

@@ -118,6 +118,13 @@ impl<const SENSORS: usize> Setting<SENSORS> {
                 ("executed", LearnFrom::Executed)
             ]
         ),
+        Self::new(
+            "largest-change",
+            "a larger change of a range in a move is another surface, and not learned, meters",
+            number(NumberFormat::Millimeters, 0, 10_000),
+            |config| Value::of(config.learning.largest_change_mm),
+            |config, value| config.learning.largest_change_mm = value.short(),
+        ),
         words!(
             "edges",
             "border of the grids: open | wrapped",
