@@ -1,0 +1,87 @@
+//! A robot as the controller is told of it: its body, and a configuration in its size.
+
+use super::{AnyRobot, MAX_BEAMS, bearing};
+use amp::config::{Config, Exploration, Learning};
+use amp::fixed::Mask;
+use amp::points::PointLimits;
+use amp::robot::{RobotSpec, evenly_spaced};
+use amp::scan::Encoding;
+use amp::turret::{BodySpec, Mount};
+use amp::units::Displacement;
+
+/// A range that changes by more in a move has met another surface, mm of the Nomad's: its longest
+/// step, and what noise and slanting walls add.
+const LARGEST_CHANGE_MM: u16 = 350;
+
+impl AnyRobot {
+    /// The body as the controller is told.
+    #[must_use]
+    pub fn body(&self) -> BodySpec<MAX_BEAMS> {
+        let mut mounts = [Mount::default(); MAX_BEAMS];
+        let mut enabled = Mask::NONE;
+        for (index, (mount, sensor)) in mounts.iter_mut().zip(&self.model.sensors).enumerate() {
+            let mm = |m: f64| (m * 1e3).round() as i32;
+            *mount = Mount {
+                position: Displacement::saturating(mm(sensor.position.x), mm(sensor.position.y)),
+                axis: bearing(sensor.bearing_rad),
+            };
+            enabled = enabled.with(index);
+        }
+        let guard_m = self.guard.map(|share| share * self.model.radius_m);
+        let nomad = PointLimits::NOMAD;
+        BodySpec {
+            mounts,
+            enabled,
+            points: PointLimits {
+                face_radius_mm: self.scaled_mm(nomad.face_radius_mm),
+                keep_mm: self.scaled_mm(nomad.keep_mm),
+                beyond_mm: self.scaled_mm(nomad.beyond_mm),
+                here_mm: self.scaled_mm(nomad.here_mm),
+                near_mm: self.scaled_mm(nomad.near_mm),
+                replan_within_mm: self.scaled_mm(nomad.replan_within_mm),
+                replan_nearer_mm: self.scaled_mm(nomad.replan_nearer_mm),
+                ..nomad
+            },
+            silence_mm: self.silence_mm(),
+            guard_mm: guard_m.map(|m| (m * 1e3).round() as u16),
+        }
+    }
+
+    /// The configuration for the ring of sectors that the controller sees: lengths scaled to the
+    /// body, no shield, no fault detection.
+    #[must_use]
+    pub fn config(&self, config: Config<16>) -> Config<16> {
+        let (limits, reach_mm) = (self.limits(), self.reach_mm());
+        let scaled = |mm| self.scaled_mm(mm);
+        let half_turn_s = std::f64::consts::PI / self.model.max_turn_rad_s;
+        Config {
+            robot: RobotSpec {
+                directions: evenly_spaced(),
+                symmetric: true,
+                face_radius_mm: scaled(config.robot.face_radius_mm),
+                body_radius_mm: scaled(config.robot.body_radius_mm),
+                step_mm: scaled(config.robot.step_mm).min(reach_mm / 4),
+                speed_mm_s: (limits.speed_m_s * 1e3).round() as u16,
+                ring_period_ms: (self.model.period_s * 1e3).round() as u16,
+                steer_ms: ((half_turn_s + 2.0) * 1e3) as u16,
+                ..config.robot
+            },
+            encoding: Encoding {
+                near_mm: scaled(config.encoding.near_mm).min(reach_mm / 8),
+                far_mm: scaled(config.encoding.far_mm).min(reach_mm),
+            },
+            exploration: Exploration {
+                shortest_mm: scaled(config.exploration.shortest_mm).min(reach_mm / 8),
+                ..config.exploration
+            },
+            learning: Learning {
+                largest_change_mm: scaled(config.learning.largest_change_mm.min(LARGEST_CHANGE_MM)),
+                ..config.learning
+            },
+            clearance_mm: scaled(config.clearance_mm).min(reach_mm / 2),
+            shield: None,
+            fault_detection: false,
+            ..config
+        }
+    }
+}
