@@ -3,7 +3,7 @@
 use super::scenes::BehaviorScene;
 use amp::config::Config;
 use arena::noise::Noise;
-use arena::robot::TurretMode;
+use arena::robot::{COLLISION_RADIUS_M, TurretMode};
 use arena::sonar::SonarModel;
 use arena::world::{Pose, World};
 use rayon::prelude::*;
@@ -139,7 +139,7 @@ fn setup(scene: &BehaviorScene, trial: &BehaviorTrial, world: &World, seed: u64)
 fn show(world: &World, config: &Config<16>, seed: u64) -> Behavior {
     let mut noise = Noise::new(seed);
     let start = world.start();
-    let place = elsewhere(world, start.position, &mut noise);
+    let place = elsewhere(world, COLLISION_RADIUS_M, start.position, &mut noise);
     let pose = Pose::new(place, start.heading);
     let situation = perceive(world, pose, SonarModel::Ideal, seed, config.encoding);
     Behavior::Seek(Box::new(GoalFile::perceived("shown", &situation, place)))

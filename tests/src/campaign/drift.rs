@@ -144,7 +144,7 @@ fn drive(
     until_s: f64,
 ) -> Result<Hour, EpisodeError> {
     let mut hour = Hour::default();
-    let mut metrics = Metrics::new(world);
+    let mut metrics = Metrics::new(world, body.radius_m());
     let mut touched = false;
     while body.time_s() < until_s {
         let result = body.advance(mind);

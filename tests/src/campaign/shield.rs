@@ -7,7 +7,7 @@
 use super::{CampaignVerdict, ProgressCallback, grouped};
 use amp::config::Config;
 use arena::noise::Noise;
-use arena::robot::TurretMode;
+use arena::robot::{COLLISION_RADIUS_M, TurretMode};
 use arena::sonar::SonarModel;
 use arena::world::{Point, Pose, Shape, World};
 use files::error::BadInput;
@@ -156,7 +156,12 @@ fn episode(
 /// A behavior that seeks another place by its situation.
 fn captured(world: &World, config: &Config<16>, seed: u64) -> Behavior {
     let start = world.start();
-    let place = elsewhere(world, start.position, &mut Noise::new(seed));
+    let place = elsewhere(
+        world,
+        COLLISION_RADIUS_M,
+        start.position,
+        &mut Noise::new(seed),
+    );
     let pose = Pose::new(place, start.heading);
     let situation = perceive(world, pose, SonarModel::Ideal, seed, config.encoding);
     Behavior::Seek(Box::new(GoalFile::perceived("captured", &situation, place)))

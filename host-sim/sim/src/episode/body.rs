@@ -325,6 +325,12 @@ impl<'w> Body<'w> {
         ranges_m
     }
 
+    /// Radius of its body, meters.
+    #[must_use]
+    pub fn radius_m(&self) -> f64 {
+        self.limits.radius_m
+    }
+
     /// Advances the time without simulating anything.
     pub fn wait(&mut self, dt_s: f64) {
         self.time_s += dt_s;
@@ -333,7 +339,7 @@ impl<'w> Body<'w> {
     /// Places the robot at a random free position at least 1 m from `nest`, at rest, with the same
     /// heading.
     pub fn set_down_elsewhere(&mut self, nest: Point) {
-        let place = places::elsewhere(&self.world, nest, &mut self.noise);
+        let place = places::elsewhere(&self.world, self.radius_m(), nest, &mut self.noise);
         self.set_down_at(place);
     }
 

@@ -115,7 +115,13 @@ pub fn run_observed<'w>(
     let recording = match runner.recorder {
         Some(recorder) => {
             let place = setup.behavior.place(runner.measure.nest);
-            Some(recorder.finish(world, setup, place, controller.knowledge()?))
+            Some(recorder.finish(
+                world,
+                setup,
+                runner.body.radius_m(),
+                place,
+                controller.knowledge()?,
+            ))
         }
         None => None,
     };
@@ -248,8 +254,8 @@ impl<'w> EpisodeRunner<'w> {
     fn new(world: &'w World, body: Body<'w>, record: bool) -> Self {
         Self {
             world,
+            metrics: Metrics::new(world, body.radius_m()),
             body,
-            metrics: Metrics::new(world),
             measure: Measure::new(world, world.start().position),
             behavior: Behavior::Avoid,
             part: 0,
@@ -380,6 +386,6 @@ impl<'w> EpisodeRunner<'w> {
         if let Some(recorder) = &mut self.recorder {
             recorder.next_phase();
         }
-        std::mem::replace(&mut self.metrics, Metrics::new(world))
+        std::mem::replace(&mut self.metrics, Metrics::new(world, self.body.radius_m()))
     }
 }

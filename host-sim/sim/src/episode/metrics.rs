@@ -1,7 +1,6 @@
 //! Metrics of a phase, and the report that is printed of an episode.
 
 use crate::coverage::Coverage;
-use arena::robot::COLLISION_RADIUS_M;
 use arena::world::{Point, World};
 use serde::Serialize;
 
@@ -39,9 +38,9 @@ pub struct StepFlags {
 }
 
 impl Metrics {
-    /// Nothing is counted yet.
+    /// Nothing is counted yet of a robot with this radius, meters.
     #[must_use]
-    pub fn new(world: &World) -> Self {
+    pub fn new(world: &World, radius_m: f64) -> Self {
         Self {
             steps: 0,
             contacts: 0,
@@ -50,7 +49,7 @@ impl Metrics {
             min_clearance_m: None,
             goal_steps: 0,
             shield_stops: 0,
-            coverage: Coverage::new(world.bounds(), COLLISION_RADIUS_M),
+            coverage: Coverage::new(world.bounds(), radius_m),
         }
     }
 

@@ -1,23 +1,22 @@
 //! Random free places where a robot may be placed after exploring.
 
 use arena::noise::Noise;
-use arena::robot::COLLISION_RADIUS_M;
 use arena::world::{Point, World};
 
 /// Least distance of the place from the nest, m.
 const ELSEWHERE_M: f64 = 1.0;
-/// Gap between body and surfaces at the place and on the path to it, m.
-const GAP_M: f64 = 0.15;
+/// Gap between body and surfaces at the place and on the path to it, of the body's radius.
+const GAP: f64 = 0.15 / 0.269;
 /// Grid of the path search, m.
 const CELL_M: f64 = 0.1;
 /// Limit of the search, which bounds time and memory in huge worlds.
 const MAX_CELLS: usize = 250_000;
 
-/// A random free place at least 1 m from `nest` that can be reached from it. Returns the nest if
-/// there is none.
+/// A random free place at least 1 m from `nest` that a disc of this radius can reach from it, all
+/// in meters. Returns the nest if there is none.
 #[must_use]
-pub fn elsewhere(world: &World, nest: Point, noise: &mut Noise) -> Point {
-    let reached = reachable(world, nest);
+pub fn elsewhere(world: &World, radius_m: f64, nest: Point, noise: &mut Noise) -> Point {
+    let reached = reachable(world, radius_m, nest);
     let far: Vec<_> = reached
         .into_iter()
         .filter(|place| place.distance(nest) >= ELSEWHERE_M)
@@ -25,8 +24,8 @@ pub fn elsewhere(world: &World, nest: Point, noise: &mut Noise) -> Point {
     far.get(noise.index(far.len())).copied().unwrap_or(nest)
 }
 
-/// Cells of a grid that a disc of the robot's size can reach from `nest`, in a fixed order.
-fn reachable(world: &World, nest: Point) -> Vec<Point> {
+/// Cells of a grid that the disc can reach from `nest`, in a fixed order.
+fn reachable(world: &World, radius_m: f64, nest: Point) -> Vec<Point> {
     use std::collections::{HashSet, VecDeque};
     let place =
         |(column, row): (i32, i32)| nest + Point::new(f64::from(column), f64::from(row)) * CELL_M;
@@ -44,8 +43,8 @@ fn reachable(world: &World, nest: Point) -> Vec<Point> {
             let to = place(next);
             let inside = to.x > low.x && to.x < high.x && to.y > low.y && to.y < high.y;
             if inside
-                && world.clearance(to) >= COLLISION_RADIUS_M + GAP_M
-                && !world.sweep(place(cell), to, COLLISION_RADIUS_M).touched()
+                && world.clearance(to) >= radius_m * (1.0 + GAP)
+                && !world.sweep(place(cell), to, radius_m).touched()
                 && seen.insert(next)
             {
                 queue.push_back(next);
@@ -58,16 +57,48 @@ fn reachable(world: &World, nest: Point) -> Vec<Point> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use arena::world::{Pose, Shape};
 
     #[test]
     fn places_are_free_far_and_repeatable() {
         for seed in 0..30 {
             let world = World::random(seed);
             let nest = world.start().position;
-            let place = elsewhere(&world, nest, &mut Noise::new(seed));
-            assert!(place.distance(nest) >= ELSEWHERE_M, "{seed}");
-            assert!(world.clearance(place) >= COLLISION_RADIUS_M && !world.is_inside(place));
-            assert_eq!(place, elsewhere(&world, nest, &mut Noise::new(seed)));
+            for radius_m in [0.035, 0.269] {
+                let place = || elsewhere(&world, radius_m, nest, &mut Noise::new(seed));
+                assert!(place().distance(nest) >= ELSEWHERE_M, "{seed}");
+                assert!(world.clearance(place()) >= radius_m && !world.is_inside(place()));
+                assert_eq!(place(), place());
+            }
         }
+    }
+
+    /// Two rooms joined by a way of 0.4 m: the Khepera goes on to the other one.
+    #[test]
+    fn a_narrow_way_is_open_to_a_small_body_only() {
+        let wall = |points: &[(f64, f64)]| Shape::Wall {
+            points: points.iter().map(|(x, y)| Point::new(*x, *y)).collect(),
+        };
+        let hall = [
+            (-1.0, -2.0),
+            (7.0, -2.0),
+            (7.0, 2.0),
+            (-1.0, 2.0),
+            (-1.0, -2.0),
+        ];
+        let shapes = vec![
+            wall(&hall),
+            wall(&[(3.0, -2.0), (3.0, -0.2)]),
+            wall(&[(3.0, 0.2), (3.0, 2.0)]),
+        ];
+        let world = World::new("slit", Pose::default(), shapes).unwrap();
+        let reaches_far = |radius_m| {
+            let nest = world.start().position;
+            let mut places =
+                (0..40).map(|seed| elsewhere(&world, radius_m, nest, &mut Noise::new(seed)));
+            places.any(|place| place.x > 3.0)
+        };
+        assert!(reaches_far(0.03));
+        assert!(!reaches_far(0.269));
     }
 }

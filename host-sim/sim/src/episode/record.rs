@@ -10,7 +10,6 @@ use amp::controller::Decision;
 use amp::fixed::{Scalar, Weight, to_weight16};
 use amp::memory::from_bytes;
 use amp::planner::{Plan, difference};
-use arena::robot::COLLISION_RADIUS_M;
 use arena::world::{Point, Pose, World};
 use std::f64::consts::TAU;
 
@@ -70,6 +69,7 @@ impl StepRecorder {
         self,
         world: &World,
         setup: &Setup,
+        robot_radius_m: f64,
         goal_place: Option<Point>,
         state: &SimState,
     ) -> Recording {
@@ -84,7 +84,7 @@ impl StepRecorder {
             near_m: f64::from(encoding.near_mm) / 1e3,
             far_m: f64::from(encoding.far_mm) / 1e3,
             goal_place,
-            robot_radius_m: COLLISION_RADIUS_M,
+            robot_radius_m,
             exploration: self.earlier,
             seeking: self.steps,
             situation_map: MapRecord::new(state.situations(), &situations),

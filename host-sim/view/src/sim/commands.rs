@@ -95,7 +95,7 @@ impl Simulator {
         let moves = setup.explore_moves;
         self.command(Command::Explore { moves, seed })?;
         self.explorations += 1;
-        self.explored = sim::episode::Metrics::new(self.body.world());
+        self.explored = sim::episode::Metrics::new(self.body.world(), self.body.radius_m());
         self.begin(SimulatorActivity::Explore);
         Ok(())
     }

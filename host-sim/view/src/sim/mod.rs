@@ -149,6 +149,7 @@ impl Simulator {
         let body = Body::within(world, setup.sonar, setup.turret, noise).with_faults(&setup.faults);
         let goal = ActiveGoal::behavior(&setup.behavior);
         let ranges_m = body.look();
+        let nothing = Metrics::new(&start.world, body.radius_m());
         let watcher = controller.log().cloned().map(WorldLogger::new);
         Self {
             config: setup.config.clone(),
@@ -170,8 +171,8 @@ impl Simulator {
             step_s: 0.0,
             last_decision_s: 0.0,
             explorations: 0,
-            explored: Metrics::new(&start.world),
-            seeking: Metrics::new(&start.world),
+            explored: nothing.clone(),
+            seeking: nothing,
             open: None,
             trail: History::latest(),
             cache: SimulatorCache::default(),
