@@ -164,7 +164,6 @@ fn each_move_teaches_the_winners_alone_or_their_neighbors_as_well() {
 #[test]
 fn a_move_to_another_surface_teaches_no_action() {
     let taught = |largest_mm| {
-        // Bench sets its own.
         let mut bench = Bench::ready(Config::probing());
         bench.config.learning.largest_change_mm = largest_mm;
         (bench.x, bench.y) = (1_300, 400);
