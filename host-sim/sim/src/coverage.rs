@@ -1,10 +1,11 @@
-//! The area a robot's body has swept, in cells of 0.25 m.
+//! The area a robot's body has swept, in cells of 0.25 m, or smaller ones for a small body.
 
 use std::ops::RangeInclusive;
 
+use arena::robot::COLLISION_RADIUS_M;
 use arena::world::Point;
 
-/// Side of a cell, meters.
+/// Greatest side of a cell, for a body of the Nomad's radius, meters.
 pub const CELL_M: f64 = 0.25;
 
 /// Cells along one side. A world larger than 2 km is covered in its first 2 km only.
@@ -22,6 +23,8 @@ pub struct Coverage {
     origin: Point,
     columns: usize,
     rows: usize,
+    /// Side of a cell, m: no larger than the body, or its centers would be missed.
+    cell_m: f64,
     words: Vec<u64>,
     radius_m: f64,
     /// Center and radius, m, of a disc in which the body reaches no uncovered cell. A negative
@@ -33,8 +36,9 @@ impl Coverage {
     /// Nothing is covered yet. `bounds` are the least and the greatest corner.
     #[must_use]
     pub fn new(bounds: (Point, Point), radius_m: f64) -> Self {
+        let cell_m = (CELL_M * (radius_m / COLLISION_RADIUS_M)).min(CELL_M);
         let cells = |least: f64, greatest: f64| {
-            (((greatest - least) / CELL_M) as usize)
+            (((greatest - least) / cell_m) as usize)
                 .saturating_add(1)
                 .min(MAX_CELLS)
         };
@@ -44,6 +48,7 @@ impl Coverage {
             origin: bounds.0,
             columns,
             rows,
+            cell_m,
             words: vec![0; (columns * rows).div_ceil(64)],
             radius_m,
             clear: (bounds.0, f64::NEG_INFINITY),
@@ -105,7 +110,7 @@ impl Coverage {
         reach: f64,
     ) -> (RangeInclusive<usize>, RangeInclusive<usize>) {
         let cell = |value: f64, most: usize| {
-            ((value / CELL_M).max(0.0) as usize).min(most.saturating_sub(1))
+            ((value / self.cell_m).max(0.0) as usize).min(most.saturating_sub(1))
         };
         let (low, high) = (
             Point::new(from.x.min(to.x), from.y.min(to.y)) - self.origin,
@@ -119,8 +124,8 @@ impl Coverage {
 
     fn center(&self, column: usize, row: usize) -> Point {
         Point::new(
-            self.origin.x + (column as f64 + 0.5) * CELL_M,
-            self.origin.y + (row as f64 + 0.5) * CELL_M,
+            self.origin.x + (column as f64 + 0.5) * self.cell_m,
+            self.origin.y + (row as f64 + 0.5) * self.cell_m,
         )
     }
 
@@ -158,7 +163,7 @@ impl Coverage {
     #[must_use]
     pub fn area_m2(&self) -> f64 {
         let cells: u32 = self.words.iter().map(|word| word.count_ones()).sum();
-        f64::from(cells) * CELL_M * CELL_M
+        f64::from(cells) * self.cell_m * self.cell_m
     }
 }
 
@@ -166,6 +171,15 @@ impl Coverage {
 mod tests {
     use super::*;
     use arena::noise::Noise;
+
+    /// 8 m long and 0.06 m wide.
+    #[test]
+    fn a_small_body_covers_its_strip_as_well() {
+        let mut coverage = Coverage::new((Point::new(0.0, 0.0), Point::new(10.0, 10.0)), 0.03);
+        coverage.sweep(Point::new(1.0, 5.0), Point::new(9.0, 5.0));
+        let area_m2 = coverage.area_m2();
+        assert!((0.4..0.56).contains(&area_m2), "{area_m2}");
+    }
 
     #[test]
     fn a_straight_run_covers_its_strip() {
