@@ -26,7 +26,7 @@ fn main() {
         let to_wall = (WALL_MM - x_mm) / along - f64::from(config.robot.face_radius_mm);
         (along > 0.1).then_some(to_wall)
     };
-    let (moves, seed) = (100, 3);
+    let (moves, seed) = (100, 1);
     let explore = Command::Explore { moves, seed };
     for (command, rings) in [
         (explore, 101),

@@ -252,14 +252,53 @@ impl<const SENSORS: usize> Goal<SENSORS> {
     /// What is asked of each transducer in the ring's frame by a robot that goes towards place
     /// `place` of the ring; nothing of the disabled ones.
     pub(crate) fn asked(&self, place: usize, believed: Mask) -> impl Iterator<Item = ValueBounds> {
-        let back = SENSORS.wrapping_sub(place);
-        (0..SENSORS).map(move |sensor| {
-            let component = sensor.wrapping_add(back).checked_rem(SENSORS);
-            let component = component.and_then(|component| self.components.get(component));
-            component
-                .filter(|_| believed.contains(sensor))
-                .map_or(ValueBounds::ANYTHING, ValueBounds::of)
-        })
+        (0..SENSORS).map(move |sensor| self.asked_of(sensor, place, believed))
+    }
+
+    /// What is asked of one transducer.
+    pub(crate) fn asked_of(&self, sensor: usize, place: usize, believed: Mask) -> ValueBounds {
+        if believed.contains(sensor) {
+            self.asked_of_believed(sensor, place)
+        } else {
+            ValueBounds::ANYTHING
+        }
+    }
+
+    fn asked_of_believed(&self, sensor: usize, place: usize) -> ValueBounds {
+        let component = sensor.wrapping_add(SENSORS.wrapping_sub(place));
+        let component = component.checked_rem(SENSORS);
+        component
+            .and_then(|component| self.components.get(component))
+            .map_or(ValueBounds::ANYTHING, ValueBounds::of)
+    }
+
+    /// Squared deviation of a situation in the ring's frame from what is
+    /// [`asked`](Self::asked), in units of 2⁻²⁶ · weight; what reaches `limit` may be more.
+    #[inline(never)]
+    pub(crate) fn cost(
+        &self,
+        place: usize,
+        believed: Mask,
+        situation: &Situation<SENSORS>,
+        limit: i64,
+    ) -> i64 {
+        let cap = self.cap_bits();
+        let mut total = 0_i64;
+        for (sensor, value) in situation.iter().enumerate() {
+            let (asked, value) = (
+                self.asked_of_believed(sensor, place),
+                i32::from(value.to_bits()),
+            );
+            // Most values are as asked.
+            if asked.holds(value) || !believed.contains(sensor) {
+                continue;
+            }
+            total = total.wrapping_add(asked.deviation(value, cap));
+            if total >= limit {
+                break;
+            }
+        }
+        total
     }
 
     /// The cap in units of 2⁻¹³, not below 0.

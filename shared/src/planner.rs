@@ -131,9 +131,9 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         cache: &mut SearchCache,
     ) -> Plan<SENSORS> {
         let travel = self.travel_sensor_from(cache.travel(), situation, goal);
-        let mut bounds = [ValueBounds::ANYTHING; SENSORS];
-        for (slot, bounds) in bounds.iter_mut().zip(goal.asked(travel, self.enabled)) {
-            *slot = bounds;
+        let mut bounds = [ValueBounds::default(); SENSORS];
+        for (sensor, slot) in bounds.iter_mut().enumerate() {
+            *slot = goal.asked_of(sensor, travel, self.enabled);
         }
         // Step 1: goal neuron.
         let goal_neuron = cache.goal_neuron(self, travel, &bounds);

@@ -120,18 +120,22 @@ impl Encoding {
         after: &Situation<SENSORS>,
         largest_mm: u16,
     ) -> Mask {
+        let largest = self.change_bits(largest_mm);
         let mut within = Mask::ALL;
-        if largest_mm >= self.far_mm {
-            return within;
-        }
-        let ones = u32::from(largest_mm).wrapping_mul(u32::from(ONE_BITS.unsigned_abs()));
-        let largest = ones.wrapping_div(self.width());
         for (index, (before, after)) in before.iter().zip(after).enumerate() {
-            if u32::from(before.to_bits().abs_diff(after.to_bits())) > largest {
+            if before.to_bits().abs_diff(after.to_bits()) > largest {
                 within = within.without(index);
             }
         }
         within
+    }
+
+    /// By how much a value changes with a range that changes by this, in units of 2⁻¹³. No value
+    /// changes by more than with one that changes by the far limit.
+    pub(crate) fn change_bits(self, range_mm: u16) -> u16 {
+        let ones = u32::from(range_mm).wrapping_mul(u32::from(ONE_BITS.unsigned_abs()));
+        let change = ones.wrapping_div(self.width());
+        u16::try_from(change).unwrap_or(u16::MAX)
     }
 
     /// From the far to the near limit, at least 1.

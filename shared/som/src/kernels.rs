@@ -44,6 +44,13 @@ pub struct Group {
     pub neurons: u32,
 }
 
+impl Group {
+    const NONE: Self = Self {
+        gain_q32: 0,
+        neurons: 0,
+    };
+}
+
 /// Largest rounding error of the difference of two ranks with `dims` components.
 ///
 /// Errors per component in units of 2⁻²⁶: squared distances below 16, squares 1, products 2. The
@@ -55,9 +62,6 @@ const fn margin(dims: usize) -> i32 {
 /// Limit of the weight of a second map with two components, in 1/256: below it, a base fits 31
 /// bits.
 const MAX_JOINT_WEIGHT_Q8: u16 = 512;
-
-/// Most neurons that a direct neighborhood moves: the winner and four neighbors.
-const MOST_MOVING: usize = 5;
 
 /// Result of a search by ranks.
 pub(crate) enum BmuCandidates {
@@ -144,14 +148,37 @@ impl Accelerator {
         let found = if mask.covers(DIMS) {
             (self.kernels.candidates)(code, bases, probe, margin)
         } else {
-            let (bases, probe) = without_gaps(code, bases, probe, mask);
-            (self.kernels.candidates)(code, &bases, &probe, margin)
+            self.candidates_in_part(code, bases, probe, mask, margin)
         };
         Some(if found < 1 << 16 {
             BmuCandidates::One(found as usize)
         } else {
             BmuCandidates::Several(Mask::from_bits(found >> 16))
         })
+    }
+
+    /// The components outside the mask change no rank: their squares are not part of the bases, and
+    /// the probe is zero there.
+    #[inline(never)]
+    fn candidates_in_part(
+        &self,
+        code: &[[Weight32; 16]; 16],
+        bases: &[i32; 16],
+        probe: &[Weight; 16],
+        mask: Mask,
+        margin: i32,
+    ) -> u32 {
+        let (mut bases, mut probe) = (*bases, *probe);
+        for gap in mask.complement().indices(16) {
+            if let Some(value) = probe.get_mut(gap) {
+                *value = Weight::ZERO;
+            }
+            for (base, row) in bases.iter_mut().zip(code) {
+                let w = row.get(gap).map_or(0, |w| w.to_bits());
+                *base = base.wrapping_sub(high_product(w, w));
+            }
+        }
+        (self.kernels.candidates)(code, &bases, &probe, margin)
     }
 
     /// `None` if the map does not have the kernel's size; the map is then unchanged.
@@ -181,23 +208,24 @@ impl Accelerator {
         mask: Mask,
         groups: &[Group; 2],
     ) {
-        let [first, second] = groups;
-        let moving = Mask::from_bits(first.neurons | second.neurons);
-        let mut before = [[Weight32::ZERO; 16]; MOST_MOVING];
-        for (kept, k) in before.iter_mut().zip(moving.indices(16)) {
-            *kept = code.get(k).copied().unwrap_or(*kept);
-        }
-        (self.kernels.update)(code, &mut self.norms, probe, groups);
-        for (kept, k) in before.iter().zip(moving.indices(16)) {
-            let (Some(row), Some(norm)) = (code.get_mut(k), self.norms.get_mut(k)) else {
-                continue;
-            };
-            for gap in mask.complement().indices(16) {
-                if let (Some(now), Some(kept)) = (row.get_mut(gap), kept.get(gap)) {
-                    let (new, old) = (now.to_bits(), kept.to_bits());
-                    *norm = (norm.wrapping_add(high_product(old, old)))
-                        .wrapping_sub(high_product(new, new));
-                    *now = *kept;
+        for Group { gain_q32, neurons } in *groups {
+            for k in Mask::from_bits(neurons).indices(16) {
+                let Some(before) = code.get(k).copied() else {
+                    continue;
+                };
+                let neurons = Mask::NONE.with(k).to_bits();
+                let alone = [Group { gain_q32, neurons }, Group::NONE];
+                (self.kernels.update)(code, &mut self.norms, probe, &alone);
+                let (Some(row), Some(norm)) = (code.get_mut(k), self.norms.get_mut(k)) else {
+                    continue;
+                };
+                for gap in mask.complement().indices(16) {
+                    if let (Some(now), Some(before)) = (row.get_mut(gap), before.get(gap)) {
+                        let (new, old) = (now.to_bits(), before.to_bits());
+                        *norm = (norm.wrapping_add(high_product(old, old)))
+                            .wrapping_sub(high_product(new, new));
+                        *now = *before;
+                    }
                 }
             }
         }
@@ -230,28 +258,6 @@ pub(crate) fn groups(update: &Update, grid: Grid, bmu: usize) -> Option<[Group; 
             neurons: neighbors.to_bits(),
         },
     ])
-}
-
-/// Bases and probe with which the components outside the mask change no rank: their squares are
-/// not part of the bases, and the probe is zero there.
-#[inline(never)]
-fn without_gaps(
-    code: &[[Weight32; 16]; 16],
-    bases: &[i32; 16],
-    probe: &[Weight; 16],
-    mask: Mask,
-) -> ([i32; 16], [Weight; 16]) {
-    let (mut bases, mut probe) = (*bases, *probe);
-    for gap in mask.complement().indices(16) {
-        if let Some(value) = probe.get_mut(gap) {
-            *value = Weight::ZERO;
-        }
-        for (base, row) in bases.iter_mut().zip(code) {
-            let w = row.get(gap).map_or(0, |w| w.to_bits());
-            *base = base.wrapping_sub(high_product(w, w));
-        }
-    }
-    (bases, probe)
 }
 
 /// Whether a map has the kernels' size.

@@ -112,6 +112,7 @@ impl Config<16> {
             learning: Learning {
                 start: Initialization::Plane,
                 augment_rotations: true,
+                largest_change_mm: 350,
                 actions: MapTraining {
                     rate: Schedule::from_q16(ONE_Q16 / 2, ONE_Q16 / 100, Decay::Exponential),
                     radius: Schedule::from_q16(ONE_Q16, ONE_Q16 * 3 / 10, Decay::Linear),

@@ -7,10 +7,10 @@ use super::{Decision, Mode, Motion, Outputs, State, StopReason};
 use crate::action_map::Effect;
 use crate::config::{Config, LearnFrom, PlannerKind};
 use crate::fixed::Mask;
-use crate::goal::{Goal, GoalFrame, cost_of};
+use crate::goal::{Goal, GoalFrame};
 use crate::memory::{self, Sample};
 use crate::planner::{NEXT_COURSE, Plan, Planner, Why};
-use crate::scan::{Aligned, Situation, rotated};
+use crate::scan::{Aligned, Situation};
 use crate::shield::Allowed;
 use crate::som::Neighborhood;
 use crate::som::Update;
@@ -47,7 +47,10 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let mut left = left;
         let enabled = self.enabled(config);
         if let Some(pending) = self.pending.take() {
-            let seen = enabled.and(same_surfaces(config, &pending.before.0, &situation.0));
+            let largest_mm = config.learning.largest_change_mm;
+            let same =
+                (config.encoding).changed_within(&pending.before.0, &situation.0, largest_mm);
+            let seen = enabled.and(same);
             // The command was refused unless the memory holds all the samples.
             let _ = self.memory.keep(Sample {
                 before: memory::to_bytes(&pending.before.0, seen),
@@ -200,21 +203,16 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         after: &Situation<SENSORS>,
     ) -> Option<usize> {
         let online = config.online?;
-        let same = same_surfaces(config, &self.pending.as_ref()?.before.0, after);
+        let effect = self.last_effect(config, enabled, after)?;
         let halvings = self.halvings();
         let update =
             |rate: u32| Update::from_q16(Neighborhood::Direct, rate >> halvings, online.share_q16);
-        // Another surface tells nothing about the move.
-        if enabled.and(same) == enabled
-            && let Some(effect) = self.last_effect(config, enabled, after)
-        {
-            let winner = match self.acting_neuron {
-                Some(neuron) if online.blame_recalled => usize::from(neuron),
-                _ => self.actions.bmu(&effect, config.learning.action_weight_q8),
-            };
-            let action_update = update(online.action_rate_q16);
-            self.actions.update(winner, &effect, &action_update);
-        }
+        let winner = match self.acting_neuron {
+            Some(neuron) if online.blame_recalled => usize::from(neuron),
+            _ => self.actions.bmu(&effect, config.learning.action_weight_q8),
+        };
+        let action_update = update(online.action_rate_q16);
+        self.actions.update(winner, &effect, &action_update);
         let situation_update = update(online.situation_rate_q16);
         let winner = self
             .situations
@@ -238,11 +236,6 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             LearnFrom::Commanded => pending.commanded,
             LearnFrom::Executed => pending.executed,
         };
-        // Both lie in [0, 1].
-        let mut change = *after;
-        for (value, before) in change.iter_mut().zip(&pending.before.0) {
-            *value = value.wrapping_sub(*before);
-        }
         // The moves of a behavior are one-sided. Rotated by random ring steps they update every
         // direction, as the random moves did.
         let augments = config.learning.augment_rotations
@@ -258,13 +251,25 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             Some(direction) if steps > 0 => action.rotated(*direction),
             _ => action,
         };
-        if steps > 0 {
-            change = rotated(&change, steps);
+        let before = &self.pending.as_ref()?.before.0;
+        let largest = config
+            .encoding
+            .change_bits(config.learning.largest_change_mm);
+        let (mut change, mut mask) = (*after, enabled);
+        for (place, slot) in change.iter_mut().enumerate() {
+            let from = place.wrapping_add(SENSORS.wrapping_sub(steps));
+            let from = from.checked_rem(SENSORS).unwrap_or(0);
+            if let (Some(is), Some(was)) = (after.get(from), before.get(from)) {
+                *slot = is.wrapping_sub(*was);
+            }
+            if slot.to_bits().unsigned_abs() > largest {
+                mask = mask.without(place);
+            }
         }
         Some(Effect {
             change,
             action: config.action_code.encode(action, config.robot.step_mm),
-            mask: enabled,
+            mask,
         })
     }
 
@@ -343,16 +348,6 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 }
 
-/// The transducers that met the same surface before and after a move.
-fn same_surfaces<const SENSORS: usize>(
-    config: &Config<SENSORS>,
-    before: &Situation<SENSORS>,
-    after: &Situation<SENSORS>,
-) -> Mask {
-    let largest_mm = config.learning.largest_change_mm;
-    config.encoding.changed_within(before, after, largest_mm)
-}
-
 /// The goal of a robot that wanders, instead of its own: obstacle avoidance on another course.
 /// `None` if it does not wander.
 fn wandering_goal<const SENSORS: usize>(
@@ -367,10 +362,8 @@ fn wandering_goal<const SENSORS: usize>(
     if goal.progress_q16 > 0 || goal.frame != GoalFrame::Ring {
         return None;
     }
-    let values = situation.iter().map(|value| i32::from(value.to_bits()));
-    let asked = || goal.asked(0, enabled);
-    let deviation = cost_of(asked(), values, goal.cap_bits(), i64::MAX);
-    if goal.is_met_by(deviation, asked()) {
+    let deviation = goal.cost(0, enabled, situation, i64::MAX);
+    if goal.is_met_by(deviation, goal.asked(0, enabled)) {
         *search = SearchProgress::NEW;
     } else if search.is_stuck(deviation, wander) {
         let onward = course.now().with_length(config.robot.step_mm);

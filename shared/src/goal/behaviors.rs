@@ -146,7 +146,7 @@ impl<const SENSORS: usize> Goal<SENSORS> {
 mod tests {
     use super::*;
     use crate::fixed::Mask;
-    use crate::goal::{GoalFrame, cost_of};
+    use crate::goal::GoalFrame;
 
     fn config() -> Config<16> {
         Config::recommended()
@@ -167,15 +167,8 @@ mod tests {
     #[test]
     fn a_wall_at_the_asked_distance_is_the_goal() {
         let goal = Goal::wall(Side::Right, Range::from_mm(600), &config());
-        let deviation = |mm: f64, places: usize| {
-            let values = beside_a_wall(mm).map(|value| i32::from(value.to_bits()));
-            cost_of(
-                goal.asked(places, Mask::ALL),
-                values.into_iter(),
-                goal.cap_bits(),
-                i64::MAX,
-            )
-        };
+        let deviation =
+            |mm: f64, places: usize| goal.cost(places, Mask::ALL, &beside_a_wall(mm), i64::MAX);
         let here = deviation(600.0, 0);
         assert!(here < 2_000, "{here}");
         for (mm, places) in [(500.0, 0), (700.0, 0), (600.0, 2), (600.0, 14), (600.0, 8)] {
@@ -270,14 +263,9 @@ mod tests {
         let goal = Goal::following(range, &config());
         let value = |mm: u16| config().encoding.value(Some(Range::from_mm(mm)));
         let deviation = |place: usize, mm: u16| {
-            let mut values = [0; 16];
-            values[place] = i32::from(value(mm).to_bits());
-            cost_of(
-                goal.asked(0, Mask::ALL),
-                values.into_iter(),
-                goal.cap_bits(),
-                i64::MAX,
-            )
+            let mut values = [Weight::ZERO; 16];
+            values[place] = value(mm);
+            goal.cost(0, Mask::ALL, &values, i64::MAX)
         };
         assert_eq!(deviation(0, 700), 0);
         for (place, mm) in [

@@ -98,17 +98,16 @@ pub(crate) enum Over {
     Bent,
 }
 
-/// Squared deviation of values (2⁻¹³, which may leave [0, 1]) from what is asked of them, each at
-/// most that of the cap, in units of 2⁻²⁶ · weight; what reaches `limit` may be more.
+/// Squared deviation of values (2⁻¹³, which may leave [0, 1]) from what is asked of each, at most
+/// that of the cap, in units of 2⁻²⁶ · weight; what reaches `limit` may be more.
 #[inline(never)]
 pub(crate) fn cost_of(
-    asked: impl Iterator<Item = ValueBounds>,
-    values: impl Iterator<Item = i32>,
+    values: impl Iterator<Item = (ValueBounds, i32)>,
     cap: i32,
     limit: i64,
 ) -> i64 {
     let mut total = 0_i64;
-    for (asked, value) in asked.zip(values) {
+    for (asked, value) in values {
         // Most values are as asked: nothing to multiply.
         let off = if value < asked.low {
             asked.low.wrapping_sub(value)
@@ -166,13 +165,15 @@ mod tests {
         ) {
             let (goal, mask) = (goal(bounds), Mask::from_bits(believed));
             let asked = || goal.asked(place, mask);
-            let bits = || values.iter().copied().map(i32::from);
             // Without a cap as of the goal turned that far.
-            let deviation = goal.towards(place).distance(&values.map(Weight::from_bits), mask);
-            prop_assert_eq!(cost_of(asked(), bits(), i32::MAX, i64::MAX), deviation);
-            prop_assert!(deviation == 0 || cost_of(asked(), bits(), i32::MAX, deviation) >= deviation);
+            let situation = values.map(Weight::from_bits);
+            let deviation = goal.towards(place).distance(&situation, mask);
+            let pairs = || asked().zip(values.iter().copied().map(i32::from));
+            prop_assert_eq!(cost_of(pairs(), i32::MAX, i64::MAX), deviation);
+            prop_assert!(deviation == 0 || cost_of(pairs(), i32::MAX, deviation) >= deviation);
+            let goal = Goal { cap: Weight::from_bits(cap as i16), ..goal };
             let exact: i64 = asked().zip(&values).map(|(asked, value)| asked.deviation(i32::from(*value), cap)).sum();
-            prop_assert_eq!(cost_of(asked(), bits(), cap, i64::MAX), exact);
+            prop_assert_eq!(goal.cost(place, mask, &situation, i64::MAX), exact);
         }
     }
 }

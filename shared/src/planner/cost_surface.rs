@@ -194,7 +194,7 @@ mod tests {
             cost_surface.shape(&forward, &bounds);
             let share = crate::units::Bearing::from_turns(turns).direction();
             let values = forward.after(share);
-            let exact = cost_of(bounds.into_iter(), values.into_iter(), goal.cap_bits(), i64::MAX);
+            let exact = cost_of(bounds.into_iter().zip(values), goal.cap_bits(), i64::MAX);
             let found = cost_surface.at(share, i64::MAX);
             // Each value is rounded down to one unit; the form's coefficients to 2⁹ and 2¹⁰.
             let weights: i64 = components.iter().map(|(_, _, weight)| i64::from(*weight)).sum();

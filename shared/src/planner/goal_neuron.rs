@@ -108,7 +108,7 @@ pub(super) fn cost<const SENSORS: usize, const NEURONS: usize>(
     let values = code
         .iter()
         .map(|value| i32::from(to_weight16(*value).to_bits()));
-    cost_of(bounds.iter().copied(), values, i32::MAX, limit)
+    cost_of(bounds.iter().copied().zip(values), i32::MAX, limit)
 }
 
 #[cfg(test)]

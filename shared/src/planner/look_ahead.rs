@@ -60,7 +60,7 @@ impl<'a, const SENSORS: usize> GoalView<'a, SENSORS> {
 
     fn deviation(&self, values: impl Iterator<Item = i32>) -> i64 {
         let bounds = self.bounds.iter().copied();
-        cost_of(bounds, values, self.goal.cap_bits(), i64::MAX)
+        cost_of(bounds.zip(values), self.goal.cap_bits(), i64::MAX)
     }
 
     /// As [`Goal::holds`].
@@ -91,6 +91,15 @@ fn cosine_q14(a: Direction, b: Direction) -> i32 {
 /// The values of a situation in units of 2⁻¹³.
 fn bits(values: &[Weight]) -> impl Iterator<Item = i32> {
     values.iter().map(|value| i32::from(value.to_bits()))
+}
+
+/// The situation with these values in units of 2⁻¹³, none of them below 0.
+fn situation_of<const SENSORS: usize>(values: impl Iterator<Item = i32>) -> Situation<SENSORS> {
+    let mut situation = [Weight::ZERO; SENSORS];
+    for (slot, value) in situation.iter_mut().zip(values) {
+        *slot = Weight::from_bits(value.min(i32::from(ONE_BITS)) as i16);
+    }
+    situation
 }
 
 /// The unit vector along a displacement; zero for none.
@@ -141,8 +150,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             if limit <= 0 {
                 return i64::MAX;
             }
-            let bounds = goal.asked(place, self.enabled);
-            let deviation = cost_of(bounds, bits(situation), goal.cap_bits(), limit);
+            let deviation = goal.cost(place, self.enabled, situation, limit);
             deviation.wrapping_sub(steady)
         };
         argmin(SENSORS, first, score).0
@@ -161,13 +169,11 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         let mut forward = ForwardModel::from(situation);
         forward.fit(self.actions, config.action_code, config.robot.step_mm);
         let best = self.best(situation, view, &forward);
-        let values = match best.neuron {
-            Some(neuron) => self.own_values(situation, neuron),
-            None => forward.after(part(best.direction, best.share_q2)),
+        let to_come = match best.neuron {
+            Some(neuron) => situation_of(self.own_values(situation, neuron).into_iter()),
+            None => situation_of(forward.after(part(best.direction, best.share_q2))),
         };
         let now = view.deviation(bits(situation));
-        // No value is below 0.
-        let to_come = values.map(|value| Weight::from_bits(value.min(i32::from(ONE_BITS)) as i16));
         let mut plan = Plan {
             goal_neuron: goal_neuron as u8,
             current_neuron: current as u8,
@@ -417,7 +423,8 @@ mod tests {
             fixture.config.enabled = mask;
             let score = |place: usize| {
                 let along = cosine_q14(fixture.config.robot.directions[place], unit(course));
-                cost_of(goal.asked(place, mask), values.into_iter().map(i32::from), goal.cap_bits(), i64::MAX) - weighted(heading_hold, along)
+                let asked = goal.asked(place, mask).zip(values.into_iter().map(i32::from));
+                cost_of(asked, goal.cap_bits(), i64::MAX) - weighted(heading_hold, along)
             };
             let best = (0..16).min_by_key(|&place| (score(place), place));
             let planner = fixture.planner(course, Mask::ALL);

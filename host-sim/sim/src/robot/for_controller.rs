@@ -9,10 +9,6 @@ use amp::scan::Encoding;
 use amp::turret::{BodySpec, Mount};
 use amp::units::Displacement;
 
-/// A range that changes by more in a move has met another surface, mm of the Nomad's: its longest
-/// step, and what noise and slanting walls add.
-const LARGEST_CHANGE_MM: u16 = 350;
-
 impl AnyRobot {
     /// The body as the controller is told.
     #[must_use]
@@ -75,7 +71,7 @@ impl AnyRobot {
                 ..config.exploration
             },
             learning: Learning {
-                largest_change_mm: scaled(config.learning.largest_change_mm.min(LARGEST_CHANGE_MM)),
+                largest_change_mm: scaled(config.learning.largest_change_mm),
                 ..config.learning
             },
             clearance_mm: scaled(config.clearance_mm).min(reach_mm / 2),

@@ -159,25 +159,6 @@ fn each_move_teaches_the_winners_alone_or_their_neighbors_as_well() {
     assert_ne!(changed(&before, &after)[1], [asked]);
 }
 
-/// Of a move of up to 250 mm with which a range changes by more than 100 mm the action map learns
-/// nothing; the situation map learns what is there.
-#[test]
-fn a_move_to_another_surface_teaches_no_action() {
-    let taught = |largest_mm| {
-        let mut bench = Bench::ready(Config::probing());
-        bench.config.learning.largest_change_mm = largest_mm;
-        (bench.x, bench.y) = (1_300, 400);
-        bench.send(Event::Command(Command::Seek(Goal::free_of_obstacles())));
-        let motion = bench.ring().motion.expect("a motion");
-        let before = bench.state.clone();
-        bench.execute(motion);
-        bench.ring();
-        changed(&before, &bench.state).map(|neurons| neurons.len())
-    };
-    assert_eq!(taught(100), [1, 0]);
-    assert_eq!(taught(4_500), [1, 1]);
-}
-
 /// What the one neuron that learned from a move was taught of action and change: it went a fiftieth
 /// of the way there.
 fn lesson(before: &Robot, after: &Robot) -> ([f64; 2], [f64; 16]) {
@@ -228,6 +209,36 @@ fn what_is_learned_on_the_way_is_turned_with_the_ring() {
             "{place}: {taught} {brought}"
         );
     }
+}
+
+/// Of a move of up to 250 mm only those changes are learned that are below 100 mm.
+#[test]
+fn ranges_of_another_surface_are_not_learned() {
+    let mut bench = Bench::ready(Config::recommended());
+    bench.config.learning.largest_change_mm = 100;
+    (bench.x, bench.y) = (1_300, 400);
+    bench.send(Event::Command(Command::Seek(Goal::free_of_obstacles())));
+    let motion = bench.ring().motion.expect("a motion");
+    let before = bench.state.clone();
+    bench.execute(motion);
+    bench.ring();
+    let after = bench.state;
+    let (action, _) = lesson(&before, &after);
+    let places = usize::from(turned(action, motion).wrapping_add(2_048) >> 12);
+    assert_ne!(places, 0);
+    let [_, winners] = changed(&before, &after);
+    let [old, new] = [&before, &after].map(|robot| robot.actions().changes().code()[winners[0]]);
+    let encoding = bench.config.encoding;
+    let [was, is] = [&before, &after].map(|robot| encoding.situation(robot.scan()));
+    let mut learned = 0;
+    for place in 0..16 {
+        let change_mm = (is[place] - was[place]).to_num::<f64>().abs() * 4_500.0;
+        let component = (place + places) % 16;
+        let is_learned = old[component] != new[component];
+        assert_eq!(is_learned, change_mm < 100.0, "{place}: {change_mm}");
+        learned += usize::from(is_learned);
+    }
+    assert!((3..=13).contains(&learned), "{learned}");
 }
 
 #[test]

@@ -84,7 +84,7 @@ fn print_episode(episode: &CountedEpisode<'_>) {
         counts.four_steps,
         DECISION,
     );
-    row("tick of learning", counts.tick, 12_590);
+    row("tick of learning", counts.tick, 15_660);
     let mut learning = InstructionStats::default();
     learning.add(counts.tick.sum());
     row(
