@@ -151,6 +151,9 @@ pub struct Learning {
     /// nothing is learned from that change, millimeters. At or beyond the far limit all are learned
     /// from.
     pub largest_change_mm: u16,
+    /// Where more transducers than this met another surface in a move made while seeking, the
+    /// action map learns nothing from that move.
+    pub most_changed: u8,
     /// Border of both grids.
     pub edges: Edges,
     /// The situation map's training.
@@ -305,6 +308,7 @@ mod tests {
         assert_eq!(best.learning.actions.radius, radius);
         assert!(literal.learning.largest_change_mm >= literal.encoding.far_mm);
         assert_eq!(best.learning.largest_change_mm, 350);
+        assert!(best.learning.most_changed >= 32);
         let online = best.online.expect("it learns");
         assert_eq!(
             (online.situation_rate_q16, online.action_rate_q16),
@@ -313,7 +317,7 @@ mod tests {
         let sum =
             |config: &Config<16>| crate::checksum::checksum(config.to_bytes(&mut [0; MAX_CONFIG]));
         let sums = [literal, Config::probing(), best].map(|config| sum(&config));
-        assert_eq!(sums, [0x090a_ada2, 0xe537_6ab6, 0x6762_225f]);
+        assert_eq!(sums, [0x1376_0f98, 0x2ec4_9efd, 0xce3f_4967]);
     }
 
     #[test]

@@ -45,6 +45,7 @@ impl Config<16> {
                 action_weight_q8: 256,
                 learn_from: LearnFrom::Executed,
                 largest_change_mm: 10_000,
+                most_changed: u8::MAX,
                 edges: Edges::Open,
                 situations: training,
                 actions: training,

@@ -51,6 +51,7 @@ impl<const SENSORS: usize> Config<SENSORS> {
                 action_weight_q8: 0,
                 learn_from: LearnFrom::Commanded,
                 largest_change_mm: 0,
+                most_changed: 0,
                 edges: Edges::Open,
                 situations: training,
                 actions: training,

@@ -203,16 +203,18 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         after: &Situation<SENSORS>,
     ) -> Option<usize> {
         let online = config.online?;
-        let effect = self.last_effect(config, enabled, after)?;
+        let is_lesson = self.is_lesson(config, enabled, after)?;
         let halvings = self.halvings();
         let update =
             |rate: u32| Update::from_q16(Neighborhood::Direct, rate >> halvings, online.share_q16);
-        let winner = match self.acting_neuron {
-            Some(neuron) if online.blame_recalled => usize::from(neuron),
-            _ => self.actions.bmu(&effect, config.learning.action_weight_q8),
-        };
-        let action_update = update(online.action_rate_q16);
-        self.actions.update(winner, &effect, &action_update);
+        if is_lesson && let Some(effect) = self.last_effect(config, enabled, after) {
+            let winner = match self.acting_neuron {
+                Some(neuron) if online.blame_recalled => usize::from(neuron),
+                _ => self.actions.bmu(&effect, config.learning.action_weight_q8),
+            };
+            let action_update = update(online.action_rate_q16);
+            self.actions.update(winner, &effect, &action_update);
+        }
         let situation_update = update(online.situation_rate_q16);
         let winner = self
             .situations
@@ -222,6 +224,25 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
         // If the winner alone was updated, it is still the winner.
         (online.share_q16 == 0).then_some(winner)
+    }
+
+    /// Whether few enough transducers met another surface in the last move; `None` without a move.
+    fn is_lesson(
+        &self,
+        config: &Config<SENSORS>,
+        enabled: Mask,
+        after: &Situation<SENSORS>,
+    ) -> Option<bool> {
+        let before = &self.pending.as_ref()?.before.0;
+        let most = usize::from(config.learning.most_changed);
+        // Counted only where there may be more.
+        Some(
+            most >= SENSORS || {
+                let largest_mm = config.learning.largest_change_mm;
+                let same = config.encoding.changed_within(before, after, largest_mm);
+                enabled.and(same.complement()).indices(SENSORS).count() <= most
+            },
+        )
     }
 
     /// The last move and the change it brought, rotated by random ring steps if so configured.

@@ -6,7 +6,7 @@
 
 use super::cost_surface::CostSurface;
 use super::forward_model::ForwardModel;
-use super::{MAX_COST, Plan, Planner, Why, argmin, difference};
+use super::{MAX_COST, Plan, Planner, Why, argmin};
 use crate::config::PlannerKind;
 use crate::fixed::{Mask, ONE_BITS, Weight, Weight32, to_weight16};
 use crate::goal::{Goal, GoalFrame, ValueBounds, cost_of};
@@ -173,12 +173,17 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             Some(neuron) => situation_of(self.own_values(situation, neuron).into_iter()),
             None => situation_of(forward.after(part(best.direction, best.share_q2))),
         };
+        // Both lie in [0, 1].
+        let mut wanted = to_come;
+        for (wanted, now) in wanted.iter_mut().zip(situation) {
+            *wanted = wanted.wrapping_sub(*now);
+        }
         let now = view.deviation(bits(situation));
         let mut plan = Plan {
             goal_neuron: goal_neuron as u8,
             current_neuron: current as u8,
             subgoal_neuron: self.situations.bmu(&to_come, mask) as u8,
-            wanted: difference(&to_come, situation),
+            wanted,
             action_neuron: self.neuron_of(best.direction) as u8,
             at_goal: view.goal.is_met_by(now, view.bounds.iter().copied())
                 || view.holds(situation, config.planning.tolerance),

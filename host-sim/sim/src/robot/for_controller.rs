@@ -72,6 +72,8 @@ impl AnyRobot {
             },
             learning: Learning {
                 largest_change_mm: scaled(config.learning.largest_change_mm),
+                // A point that is wrong is in the ring for more than one move.
+                most_changed: 0,
                 ..config.learning
             },
             clearance_mm: scaled(config.clearance_mm).min(reach_mm / 2),

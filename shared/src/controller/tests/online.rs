@@ -211,6 +211,36 @@ fn what_is_learned_on_the_way_is_turned_with_the_ring() {
     }
 }
 
+/// With more than the most allowed in a move the action map learns nothing from it; the situation
+/// map learns what is there.
+#[test]
+#[cfg_attr(miri, ignore = "eighteen robots made ready: minutes")]
+fn a_move_to_many_other_surfaces_teaches_no_action() {
+    let learned_with = |most_changed| {
+        let mut bench = Bench::ready(Config::recommended());
+        bench.config.learning.largest_change_mm = 100;
+        bench.config.learning.most_changed = most_changed;
+        (bench.x, bench.y) = (1_300, 400);
+        bench.send(Event::Command(Command::Seek(Goal::free_of_obstacles())));
+        let motion = bench.ring().motion.expect("a motion");
+        let before = bench.state.clone();
+        bench.execute(motion);
+        bench.ring();
+        let encoding = bench.config.encoding;
+        let [was, is] = [&before, &bench.state].map(|robot| encoding.situation(robot.scan()));
+        let changes = was.iter().zip(&is).map(|(was, is)| is.abs_diff(*was));
+        let many = changes.filter(|change| change.to_num::<f64>() * 4_500.0 > 100.0);
+        let learned = changed(&before, &bench.state).map(|neurons| neurons.len());
+        (many.count(), learned)
+    };
+    let (many, _) = learned_with(255);
+    assert!((3..=13).contains(&many), "{many}");
+    for most in 0..=16 {
+        let actions = usize::from(usize::from(most) >= many);
+        assert_eq!(learned_with(most), (many, [1, actions]), "{most}");
+    }
+}
+
 /// Of a move of up to 250 mm only those changes are learned that are below 100 mm.
 #[test]
 fn ranges_of_another_surface_are_not_learned() {

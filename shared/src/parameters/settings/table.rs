@@ -125,6 +125,13 @@ impl<const SENSORS: usize> Setting<SENSORS> {
             |config| Value::of(config.learning.largest_change_mm),
             |config, value| config.learning.largest_change_mm = value.short(),
         ),
+        Self::new(
+            "most-changed",
+            "with more such changes in a move nothing is learned from it while seeking: 0..255",
+            number(NumberFormat::Count, 0, 255),
+            |config| Value::of(config.learning.most_changed),
+            |config, value| config.learning.most_changed = value.byte(),
+        ),
         words!(
             "edges",
             "border of the grids: open | wrapped",
