@@ -211,27 +211,33 @@ fn what_is_learned_on_the_way_is_turned_with_the_ring() {
     }
 }
 
+/// A robot before and after a move in which ranges that change by more than 100 mm belong to another
+/// surface, the move, and by how much each range changed.
+fn past_other_surfaces(most_changed: u8) -> (Robot, Robot, Motion, [f64; 16]) {
+    let mut bench = Bench::ready(Config::recommended());
+    bench.config.learning.largest_change_mm = 100;
+    bench.config.learning.most_changed = most_changed;
+    (bench.x, bench.y) = (1_300, 400);
+    bench.send(Event::Command(Command::Seek(Goal::free_of_obstacles())));
+    let motion = bench.ring().motion.expect("a motion");
+    let before = bench.state.clone();
+    bench.execute(motion);
+    bench.ring();
+    let encoding = bench.config.encoding;
+    let [was, is] = [&before, &bench.state].map(|robot| encoding.situation(robot.scan()));
+    let changes_mm = core::array::from_fn(|i| (is[i] - was[i]).to_num::<f64>().abs() * 4_500.0);
+    (before, bench.state, motion, changes_mm)
+}
+
 /// With more than the most allowed in a move the action map learns nothing from it; the situation
 /// map learns what is there.
 #[test]
 #[cfg_attr(miri, ignore = "eighteen robots made ready: minutes")]
 fn a_move_to_many_other_surfaces_teaches_no_action() {
     let learned_with = |most_changed| {
-        let mut bench = Bench::ready(Config::recommended());
-        bench.config.learning.largest_change_mm = 100;
-        bench.config.learning.most_changed = most_changed;
-        (bench.x, bench.y) = (1_300, 400);
-        bench.send(Event::Command(Command::Seek(Goal::free_of_obstacles())));
-        let motion = bench.ring().motion.expect("a motion");
-        let before = bench.state.clone();
-        bench.execute(motion);
-        bench.ring();
-        let encoding = bench.config.encoding;
-        let [was, is] = [&before, &bench.state].map(|robot| encoding.situation(robot.scan()));
-        let changes = was.iter().zip(&is).map(|(was, is)| is.abs_diff(*was));
-        let many = changes.filter(|change| change.to_num::<f64>() * 4_500.0 > 100.0);
-        let learned = changed(&before, &bench.state).map(|neurons| neurons.len());
-        (many.count(), learned)
+        let (before, after, _, changes_mm) = past_other_surfaces(most_changed);
+        let many = changes_mm.iter().filter(|mm| **mm > 100.0).count();
+        (many, changed(&before, &after).map(|neurons| neurons.len()))
     };
     let (many, _) = learned_with(255);
     assert!((3..=13).contains(&many), "{many}");
@@ -244,25 +250,14 @@ fn a_move_to_many_other_surfaces_teaches_no_action() {
 /// Of a move of up to 250 mm only those changes are learned that are below 100 mm.
 #[test]
 fn ranges_of_another_surface_are_not_learned() {
-    let mut bench = Bench::ready(Config::recommended());
-    bench.config.learning.largest_change_mm = 100;
-    (bench.x, bench.y) = (1_300, 400);
-    bench.send(Event::Command(Command::Seek(Goal::free_of_obstacles())));
-    let motion = bench.ring().motion.expect("a motion");
-    let before = bench.state.clone();
-    bench.execute(motion);
-    bench.ring();
-    let after = bench.state;
+    let (before, after, motion, changes_mm) = past_other_surfaces(255);
     let (action, _) = lesson(&before, &after);
     let places = usize::from(turned(action, motion).wrapping_add(2_048) >> 12);
     assert_ne!(places, 0);
     let [_, winners] = changed(&before, &after);
     let [old, new] = [&before, &after].map(|robot| robot.actions().changes().code()[winners[0]]);
-    let encoding = bench.config.encoding;
-    let [was, is] = [&before, &after].map(|robot| encoding.situation(robot.scan()));
     let mut learned = 0;
-    for place in 0..16 {
-        let change_mm = (is[place] - was[place]).to_num::<f64>().abs() * 4_500.0;
+    for (place, change_mm) in changes_mm.into_iter().enumerate() {
         let component = (place + places) % 16;
         let is_learned = old[component] != new[component];
         assert_eq!(is_learned, change_mm < 100.0, "{place}: {change_mm}");
