@@ -72,8 +72,11 @@ impl AnyRobot {
             },
             learning: Learning {
                 largest_change_mm: scaled(config.learning.largest_change_mm),
-                // A point that is wrong is in the ring for more than one move.
-                most_changed: 0,
+                // None, unless it was set: a wrong point is in the ring for more than one move.
+                most_changed: match config.learning.most_changed {
+                    u8::MAX => 0,
+                    most => most,
+                },
                 ..config.learning
             },
             clearance_mm: scaled(config.clearance_mm).min(reach_mm / 2),
