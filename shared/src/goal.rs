@@ -251,20 +251,20 @@ impl<const SENSORS: usize> Goal<SENSORS> {
 
     /// What is asked of each transducer in the ring's frame by a robot that goes towards place
     /// `place` of the ring; nothing of the disabled ones.
-    pub(crate) fn asked(&self, place: usize, believed: Mask) -> impl Iterator<Item = ValueBounds> {
-        (0..SENSORS).map(move |sensor| self.asked_of(sensor, place, believed))
+    pub(crate) fn asked(&self, place: usize, enabled: Mask) -> impl Iterator<Item = ValueBounds> {
+        (0..SENSORS).map(move |sensor| self.asked_of(sensor, place, enabled))
     }
 
     /// What is asked of one transducer.
-    pub(crate) fn asked_of(&self, sensor: usize, place: usize, believed: Mask) -> ValueBounds {
-        if believed.contains(sensor) {
-            self.asked_of_believed(sensor, place)
+    pub(crate) fn asked_of(&self, sensor: usize, place: usize, enabled: Mask) -> ValueBounds {
+        if enabled.contains(sensor) {
+            self.asked_of_enabled(sensor, place)
         } else {
             ValueBounds::ANYTHING
         }
     }
 
-    fn asked_of_believed(&self, sensor: usize, place: usize) -> ValueBounds {
+    fn asked_of_enabled(&self, sensor: usize, place: usize) -> ValueBounds {
         let component = sensor.wrapping_add(SENSORS.wrapping_sub(place));
         let component = component.checked_rem(SENSORS);
         component
@@ -278,7 +278,7 @@ impl<const SENSORS: usize> Goal<SENSORS> {
     pub(crate) fn cost(
         &self,
         place: usize,
-        believed: Mask,
+        enabled: Mask,
         situation: &Situation<SENSORS>,
         limit: i64,
     ) -> i64 {
@@ -286,11 +286,11 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         let mut total = 0_i64;
         for (sensor, value) in situation.iter().enumerate() {
             let (asked, value) = (
-                self.asked_of_believed(sensor, place),
+                self.asked_of_enabled(sensor, place),
                 i32::from(value.to_bits()),
             );
             // Most values are as asked.
-            if asked.holds(value) || !believed.contains(sensor) {
+            if asked.holds(value) || !enabled.contains(sensor) {
                 continue;
             }
             total = total.wrapping_add(asked.deviation(value, cap));

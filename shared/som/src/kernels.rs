@@ -216,18 +216,22 @@ impl Accelerator {
                 let neurons = Mask::NONE.with(k).to_bits();
                 let alone = [Group { gain_q32, neurons }, Group::NONE];
                 (self.kernels.update)(code, &mut self.norms, probe, &alone);
-                let (Some(row), Some(norm)) = (code.get_mut(k), self.norms.get_mut(k)) else {
-                    continue;
-                };
-                for gap in mask.complement().indices(16) {
-                    if let (Some(now), Some(before)) = (row.get_mut(gap), before.get(gap)) {
-                        let (new, old) = (now.to_bits(), before.to_bits());
-                        *norm = (norm.wrapping_add(high_product(old, old)))
-                            .wrapping_sub(high_product(new, new));
-                        *now = *before;
-                    }
+                if let (Some(row), Some(norm)) = (code.get_mut(k), self.norms.get_mut(k)) {
+                    put_back(row, norm, &before, mask);
                 }
             }
+        }
+    }
+}
+
+/// Restores the components outside the mask, and the code vector's squared length.
+fn put_back(row: &mut [Weight32; 16], norm: &mut i32, before: &[Weight32; 16], mask: Mask) {
+    for gap in mask.complement().indices(16) {
+        if let (Some(now), Some(before)) = (row.get_mut(gap), before.get(gap)) {
+            let (new, old) = (now.to_bits(), before.to_bits());
+            *norm =
+                (norm.wrapping_add(high_product(old, old))).wrapping_sub(high_product(new, new));
+            *now = *before;
         }
     }
 }

@@ -47,10 +47,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let mut left = left;
         let enabled = self.enabled(config);
         if let Some(pending) = self.pending.take() {
-            let largest_mm = config.learning.largest_change_mm;
-            let same =
-                (config.encoding).changed_within(&pending.before.0, &situation.0, largest_mm);
-            let seen = enabled.and(same);
+            let seen = enabled.and(same_surfaces(config, &pending.before.0, &situation.0));
             // The command was refused unless the memory holds all the samples.
             let _ = self.memory.keep(Sample {
                 before: memory::to_bytes(&pending.before.0, seen),
@@ -203,11 +200,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         after: &Situation<SENSORS>,
     ) -> Option<usize> {
         let online = config.online?;
-        let is_lesson = self.is_lesson(config, enabled, after)?;
+        let learns_action = self.learns_action(config, enabled, after)?;
         let halvings = self.halvings();
         let update =
             |rate: u32| Update::from_q16(Neighborhood::Direct, rate >> halvings, online.share_q16);
-        if is_lesson && let Some(effect) = self.last_effect(config, enabled, after) {
+        if learns_action && let Some(effect) = self.last_effect(config, enabled, after) {
             let winner = match self.acting_neuron {
                 Some(neuron) if online.blame_recalled => usize::from(neuron),
                 _ => self.actions.bmu(&effect, config.learning.action_weight_q8),
@@ -226,8 +223,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         (online.share_q16 == 0).then_some(winner)
     }
 
-    /// Whether few enough transducers met another surface in the last move; `None` without a move.
-    fn is_lesson(
+    /// Whether the action map learns from the last move: few enough transducers met another surface.
+    /// `None` without a move.
+    fn learns_action(
         &self,
         config: &Config<SENSORS>,
         enabled: Mask,
@@ -235,14 +233,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     ) -> Option<bool> {
         let before = &self.pending.as_ref()?.before.0;
         let most = usize::from(config.learning.most_changed);
-        // Counted only where there may be more.
-        Some(
-            most >= SENSORS || {
-                let largest_mm = config.learning.largest_change_mm;
-                let same = config.encoding.changed_within(before, after, largest_mm);
-                enabled.and(same.complement()).indices(SENSORS).count() <= most
-            },
-        )
+        let others = || enabled.and(same_surfaces(config, before, after).complement());
+        // Saves 200 instructions of a decision where all of them may.
+        Some(most >= SENSORS || others().indices(SENSORS).count() <= most)
     }
 
     /// The last move and the change it brought, rotated by random ring steps if so configured.
@@ -276,6 +269,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let largest = config
             .encoding
             .change_bits(config.learning.largest_change_mm);
+        // As `same_surfaces`, in the same loop.
         let (mut change, mut mask) = (*after, enabled);
         for (place, slot) in change.iter_mut().enumerate() {
             let from = place.wrapping_add(SENSORS.wrapping_sub(steps));
@@ -367,6 +361,16 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             ..Outputs::none()
         }
     }
+}
+
+/// The transducers that met the same surface before and after a move.
+fn same_surfaces<const SENSORS: usize>(
+    config: &Config<SENSORS>,
+    before: &Situation<SENSORS>,
+    after: &Situation<SENSORS>,
+) -> Mask {
+    let largest_mm = config.learning.largest_change_mm;
+    config.encoding.changed_within(before, after, largest_mm)
 }
 
 /// The goal of a robot that wanders, instead of its own: obstacle avoidance on another course.
