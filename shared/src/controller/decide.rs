@@ -223,8 +223,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         (online.share_q16 == 0).then_some(winner)
     }
 
-    /// Whether the action map learns from the last move: few enough transducers met another surface.
-    /// `None` without a move.
+    /// Whether the action map learns from the last move: few enough transducers met another
+    /// surface. `None` without a move.
     fn learns_action(
         &self,
         config: &Config<SENSORS>,
