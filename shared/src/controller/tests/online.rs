@@ -211,8 +211,8 @@ fn what_is_learned_on_the_way_is_turned_with_the_ring() {
     }
 }
 
-/// A robot before and after a move in which ranges that change by more than 100 mm belong to another
-/// surface, the move, and by how much each range changed.
+/// A robot before and after a move in which ranges that change by more than 100 mm belong to
+/// another surface, the move, and by how much each range changed.
 fn past_other_surfaces(most_changed: u8) -> (Robot, Robot, Motion, [f64; 16]) {
     let mut bench = Bench::ready(Config::recommended());
     bench.config.learning.largest_change_mm = 100;
