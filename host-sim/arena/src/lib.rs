@@ -1,8 +1,8 @@
 //! Simulated worlds, sonars in them, and motion of a base.
 //!
 //! Plain geometry in meters and radians, independent of controllers, episodes and pictures.
-//! Dependencies: geometry ← shapes ← surfaces ← caster ← world ← {sonar, robot, robot_model,
-//! loaders}.
+//! Dependencies: geometry ← shapes ← surfaces ← caster ← world ← {robot, robot_model, loaders},
+//! robot_model ← sonar.
 
 mod caster;
 mod direction;

@@ -25,7 +25,8 @@ pub enum Ranges {
     /// Everything: body, speeds, and the range and cone of its sensors.
     #[default]
     Own,
-    /// Only where its sensors look and how it drives; body, speeds, range and cone are the Nomad's.
+    /// Only where its sensors look and how it drives; body, speeds, and what the sensors tell are
+    /// the Nomad's.
     Nomad,
 }
 
@@ -211,8 +212,8 @@ impl AnyRobot {
         let exact = self.mounts().into_iter().enumerate();
         let mut errors: Vec<f64> = exact
             .filter(|(sensor, _)| body.enabled.contains(*sensor))
-            .map(|(sensor, (_, exact_rad))| {
-                let error = body.mounts[sensor].axis.minus(bearing(exact_rad));
+            .map(|(sensor, exact)| {
+                let error = body.mounts[sensor].axis.minus(bearing(exact.bearing_rad));
                 f64::from(error.as_signed_turns()).abs() * 360.0 / 65_536.0
             })
             .collect();
@@ -226,11 +227,11 @@ impl AnyRobot {
         &self.model
     }
 
-    /// Position, m, and bearing, rad, of the sensor at each input of the controller.
+    /// The sensor at each input of the controller.
     #[must_use]
-    pub fn mounts(&self) -> Vec<(Point, f64)> {
-        let sensors = self.wires.iter().map(|wire| &self.model.sensors[*wire]);
-        sensors.map(|s| (s.position, s.bearing_rad)).collect()
+    pub fn mounts(&self) -> Vec<SensorMount> {
+        let sensors = self.wires.iter().map(|wire| self.model.sensors[*wire]);
+        sensors.collect()
     }
 
     /// Whether the body turns to where it goes.
@@ -296,7 +297,7 @@ impl AnyRobot {
     fn silence_mm(&self) -> Option<u16> {
         let sensors = &self.model.sensors;
         let is_certain = sensors.iter().all(|s| s.kind != SensorKind::Sonar);
-        (is_certain && self.ranges == Ranges::Own).then(|| self.reach_mm())
+        is_certain.then(|| self.reach_mm())
     }
 
     /// Greatest range of its sensors, mm.
@@ -312,8 +313,9 @@ impl AnyRobot {
 fn on_nomad(model: RobotModel) -> RobotModel {
     let nomad = BaseLimits::default();
     let sensors = model.sensors.into_iter().map(|sensor| SensorMount {
+        bearing_rad: sensor.bearing_rad,
         position: Point::unit(sensor.bearing_rad) * FACE_RADIUS_M,
-        ..sensor
+        kind: SensorKind::Sonar,
     });
     RobotModel {
         radius_m: COLLISION_RADIUS_M,
@@ -369,7 +371,7 @@ mod tests {
         assert!(one != other && one != plain);
         let sorted = |robot: &AnyRobot| {
             let mounts = robot.mounts().into_iter();
-            let mut axes: Vec<_> = mounts.map(|(_, rad)| bearing(rad).as_turns()).collect();
+            let mut axes: Vec<_> = mounts.map(|m| bearing(m.bearing_rad).as_turns()).collect();
             axes.sort_unstable();
             axes
         };

@@ -7,6 +7,7 @@
 use crate::caster::{ConeShape, LobeView, SonarLobe};
 use crate::direction::CachedDirection;
 use crate::noise::{Noise, NormalDeviate};
+use crate::robot_model::{SensorKind, SensorMount};
 use crate::world::{LastWorld, Point, Pose, World};
 
 mod config;
@@ -14,6 +15,7 @@ mod fault;
 mod geometry;
 mod hearing;
 mod inches;
+mod light;
 
 pub use config::{SonarConfig, SonarModel};
 use fault::ActiveFaults;
@@ -22,6 +24,7 @@ pub use geometry::RingGeometry;
 pub(crate) use hearing::Hearing;
 use inches::{INCHES_PER_M, whole_inches};
 pub use inches::{M_PER_INCH, MAX_READING_IN, reading_in};
+use light::Light;
 
 pub use crate::nomad::FACE_RADIUS_M;
 
@@ -58,6 +61,8 @@ struct FirstEcho {
 struct Transducer {
     face: Point,
     axis: Point,
+    /// The noise of a sensor that measures by light; `None` = a sonar.
+    light: Option<Light>,
 }
 
 /// Transducers on a turret or a body.
@@ -106,8 +111,11 @@ impl Ring {
         let bearings = (0..geometry.count).map(|sensor| geometry.bearing(sensor));
         let transducers = bearings.map(|bearing| {
             let axis = Point::unit(bearing);
-            let face = axis * geometry.face_radius_m;
-            Transducer { face, axis }
+            Transducer {
+                face: axis * geometry.face_radius_m,
+                axis,
+                light: None,
+            }
         });
         let ring = Self::of_transducers(transducers.collect(), model, config, noise);
         Self {
@@ -116,17 +124,22 @@ impl Ring {
         }
     }
 
-    /// Sensors anywhere on a body: position, m, and bearing, rad, of each in the body's frame.
+    /// Sensors of any kind anywhere on a body.
     #[must_use]
     pub fn with_mounts(
         model: SonarModel,
-        mounts: &[(Point, f64)],
+        mounts: &[SensorMount],
         config: SonarConfig,
         noise: &mut Noise,
     ) -> Self {
-        let transducers = mounts.iter().map(|&(face, bearing)| Transducer {
-            face,
-            axis: Point::unit(bearing),
+        let transducers = mounts.iter().map(|mount| Transducer {
+            face: mount.position,
+            axis: Point::unit(mount.bearing_rad),
+            light: match mount.kind {
+                SensorKind::Sonar => None,
+                SensorKind::Infrared => Some(Light::INFRARED),
+                SensorKind::Laser => Some(Light::LASER),
+            },
         });
         Self::of_transducers(transducers.collect(), model, config, noise)
     }
@@ -266,10 +279,29 @@ impl Ring {
         noise: &mut Noise,
     ) -> Option<f64> {
         let transducer = *self.transducers.get(sensor)?;
-        if self.model == SonarModel::Ideal {
-            let heading = self.heading_vector(pose.heading);
-            return self.exact_range(world, pose, &transducer, heading);
+        let heading = self.heading_vector(pose.heading);
+        match transducer.light {
+            _ if self.model == SonarModel::Ideal => {
+                self.exact_range(world, pose, &transducer, heading)
+            }
+            Some(_) if self.dead == Some(sensor) => None,
+            Some(light) => {
+                let exact = self.exact_range(world, pose, &transducer, heading);
+                light.reading(exact, &self.config, noise)
+            }
+            None => self.sonar_reading(world, pose, sensor, time_s, noise),
         }
+    }
+
+    fn sonar_reading(
+        &mut self,
+        world: &World,
+        pose: &Pose,
+        sensor: usize,
+        time_s: f64,
+        noise: &mut Noise,
+    ) -> Option<f64> {
+        let transducer = *self.transducers.get(sensor)?;
         let echo = self.echo(world, pose, sensor, transducer);
         let echo_or_crosstalk = self.with_crosstalk(echo, time_s, noise);
         if self.dead == Some(sensor) {

@@ -390,3 +390,46 @@ fn readings_equal_those_with_exact_noise() {
     assert!(noisy_inches(f64::NAN, 0.1, deviate).is_nan());
     assert_eq!(noisy_inches(f64::INFINITY, 0.1, deviate), f64::INFINITY);
 }
+
+/// Readings of one sensor of each kind 50 mm in front of a wall that it meets at `degrees`, mm.
+fn by_kind(kind: SensorKind, degrees: f64) -> Vec<Option<f64>> {
+    let mount = SensorMount {
+        bearing_rad: 0.0,
+        position: Point::default(),
+        kind,
+    };
+    let config = SonarConfig {
+        max_range_m: 0.07,
+        min_range_m: 0.0,
+        ..SonarConfig::nomad()
+    };
+    let mut noise = Noise::new(1);
+    let mut ring = Ring::with_mounts(SonarModel::Nomad, &[mount], config, &mut noise);
+    let world = world(vec![oblique(degrees, 1.0)]);
+    // The surface within the lobe nearest to the sensor is 50 mm away.
+    let nearest = libm::cos((degrees.abs() - 15.0).max(0.0) * PI / 180.0);
+    let x = 2.0 - 0.05 * nearest / libm::cos(degrees * PI / 180.0);
+    let pose = Pose::new(Point::new(x, 0.0), 0.0);
+    let readings = (0..2_000).map(|_| ring.ping(&world, &pose, 0, 0.0, &mut noise));
+    readings.map(|m| m.map(|m| m * 1e3)).collect()
+}
+
+/// A smooth wall is a mirror for sound, not for light.
+#[test]
+fn light_returns_from_an_oblique_wall_with_the_noise_of_its_kind() {
+    let echoes = by_kind(SensorKind::Sonar, 60.0);
+    let strays = echoes.iter().flatten().count();
+    assert!(strays < 40, "{strays}");
+    for (kind, sigma_mm) in [(SensorKind::Infrared, 1.5), (SensorKind::Laser, 5.0)] {
+        let readings: Vec<f64> = by_kind(kind, 60.0).into_iter().flatten().collect();
+        assert!(readings.len() > 1_990, "{kind:?}: {}", readings.len());
+        let count = readings.len() as f64;
+        let mean = readings.iter().sum::<f64>() / count;
+        let variance = readings.iter().map(|mm| (mm - mean).powi(2)).sum::<f64>() / count;
+        assert!((mean - 50.0).abs() < 0.5, "{kind:?}: {mean}");
+        assert!(
+            (variance.sqrt() - sigma_mm).abs() < 0.2,
+            "{kind:?}: {variance}"
+        );
+    }
+}
