@@ -183,7 +183,8 @@ impl<const POINTS: usize> PointMemory<POINTS> {
     }
 
     /// Ranges of a ring of evenly spaced sectors, with the bearings of the frame of the start, and
-    /// the sectors that are known. The range of an unknown sector is `None`.
+    /// the sectors that are known. The range of an unknown sector is `None`, and so is that of a
+    /// sector in which a sensor has seen from here that nothing is within its reach.
     ///
     /// A sector's range is that of its nearest point, within 12.5° of its axis in a ring of 16.
     /// Far points seen from elsewhere count only in sectors without others. But a
@@ -198,13 +199,20 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         let mut nearest = [None; SECTORS];
         let mut older = [None; SECTORS];
         let mut along_axis = [None; SECTORS];
+        let mut known = Mask::NONE;
         for point in &self.points {
-            let square = point.at.squared_mm2();
             let [own, other] = sectors_at::<SECTORS>(point.at.bearing());
-            let squares = match (point.tells(limits), point.is_echo) {
-                (true, _) => &mut nearest,
-                (false, true) => &mut older,
-                (false, false) => continue,
+            if !point.is_echo {
+                if point.is_from_here(limits) {
+                    known = with_views(known, [own, other]);
+                }
+                continue;
+            }
+            let square = point.at.squared_mm2();
+            let squares = if point.tells(limits) {
+                &mut nearest
+            } else {
+                &mut older
             };
             keep_least(squares, own.sector, square);
             keep_least(squares, other.sector, square);
@@ -212,7 +220,6 @@ impl<const POINTS: usize> PointMemory<POINTS> {
                 keep_least(&mut along_axis, own.sector, square);
             }
         }
-        let mut known = Mask::NONE;
         let mut ring = [None; SECTORS];
         let sectors = ring.iter_mut().zip(nearest).zip(older).zip(along_axis);
         for (sector, (((range, nearest), older), along_axis)) in sectors.enumerate() {
@@ -231,6 +238,18 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         (ring, known)
     }
 
+    /// The sectors of such a ring that were looked at from here, within
+    /// [`here_mm`](PointLimits::here_mm).
+    #[must_use]
+    pub fn seen_from_here<const SECTORS: usize>(&self, limits: &PointLimits) -> Mask {
+        let here = self
+            .points
+            .iter()
+            .filter(|point| point.is_from_here(limits));
+        let views = here.map(|point| sectors_at::<SECTORS>(point.at.bearing()));
+        views.fold(Mask::NONE, with_views)
+    }
+
     /// How far a disc of `radius_mm` may go from here along `way`, in the frame of the start,
     /// before it touches a point; at most the way's length. Millimeters.
     #[must_use]
@@ -247,13 +266,16 @@ impl<const POINTS: usize> PointMemory<POINTS> {
 }
 
 impl Point {
-    /// Whether it tells its sector's range: it was seen from here, or is near and was.
+    fn is_from_here(&self, limits: &PointLimits) -> bool {
+        let here_mm = u32::from(limits.here_mm) + 1;
+        self.seen_from.is_shorter_than(here_mm)
+    }
+
+    /// Whether an echo tells its sector's range: it was seen from here, or is near and was.
     fn tells(&self, limits: &PointLimits) -> bool {
         let near_mm = u32::from(limits.near_mm.saturating_add(limits.face_radius_mm));
-        self.seen_from
-            .is_shorter_than(u32::from(limits.here_mm) + 1)
-            || (self.is_echo
-                && self.at.is_shorter_than(near_mm)
+        self.is_from_here(limits)
+            || (self.at.is_shorter_than(near_mm)
                 && self.at.minus(self.seen_from).is_shorter_than(near_mm))
     }
 }
@@ -287,6 +309,12 @@ fn keep_least(squares: &mut [Option<u32>], sector: Option<usize>, square: u32) {
     {
         *least = Some(square);
     }
+}
+
+/// A mask with the sectors that a bearing belongs to.
+fn with_views(mask: Mask, views: [SectorView; 2]) -> Mask {
+    let sectors = views.into_iter().filter_map(|view| view.sector);
+    sectors.fold(mask, Mask::with)
 }
 
 /// A sector that a bearing belongs to.

@@ -15,6 +15,7 @@ use crate::points::{Beam, PointLimits, PointMemory};
 use crate::units::{Bearing, Displacement, Millis, Range};
 use serde::{Deserialize, Serialize};
 
+mod glance;
 mod ring_controller;
 
 pub use ring_controller::RingController;
@@ -40,6 +41,9 @@ pub struct BodySpec<const BEAMS: usize> {
     /// How far a sensor that hears nothing sees free space, millimeters from its face; `None` = it
     /// tells nothing: the echo of a sonar may have gone astray on a smooth wall.
     pub silence_mm: Option<u16>,
+    /// With more sectors than these unseen from here the robot turns on the spot before it
+    /// decides.
+    pub most_unseen: u8,
     /// Distance that the guard keeps between body and points, millimeters; `None` = no guard.
     pub guard_mm: Option<u16>,
 }
@@ -70,6 +74,12 @@ pub struct VirtualTurret<const SECTORS: usize, const POINTS: usize> {
     is_rolling: bool,
     /// New decisions in a row.
     replans: u8,
+    /// Since when it has been looking around.
+    glance_since: Option<Millis>,
+    /// Glances since the last decision.
+    glances: u8,
+    /// The controller's last motion.
+    last_motion_id: u16,
 }
 
 impl<const SECTORS: usize, const POINTS: usize> Default for VirtualTurret<SECTORS, POINTS> {
@@ -90,6 +100,9 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
             motion: None,
             is_rolling: false,
             replans: 0,
+            glance_since: None,
+            glances: 0,
+            last_motion_id: 0,
         }
     }
 
@@ -170,6 +183,7 @@ pub fn handle<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>(
             progress,
         } => {
             let moved = robot.moved(moved, turned, progress);
+            robot.glanced(progress);
             robot.control(Event::Odometry {
                 motion,
                 moved,
@@ -218,10 +232,11 @@ where
         let is_complete = self.body.enabled.indices(BEAMS).all(|s| fresh.contains(s));
         match (self.controller.is_moving(), is_complete) {
             (false, false) => Outputs::NONE,
-            (false, true) => {
-                self.turret.replans = 0;
-                self.decide()
+            (false, true) if self.turret.is_glancing(self.at, self.config.robot.steer_ms) => {
+                self.turret.fresh = Mask::NONE;
+                Outputs::NONE
             }
+            (false, true) => self.look_and_decide(),
             (true, false) => self.shorten(),
             (true, true) => self.ring_under_way(),
         }
@@ -275,6 +290,18 @@ where
         })
     }
 
+    /// A decision of a robot that stands, or a look around before it.
+    fn look_and_decide(&mut self) -> Outputs<SECTORS> {
+        if let Some(motion) = self.glance() {
+            return Outputs {
+                motion: Some(motion),
+                ..Outputs::NONE
+            };
+        }
+        self.turret.replans = 0;
+        self.decide()
+    }
+
     /// Gives the controller the ring of sectors; its motion goes out in the body's frame.
     fn decide(&mut self) -> Outputs<SECTORS> {
         let (ring, known) = self.turret.memory.ring(&self.body.points);
@@ -294,6 +321,7 @@ where
                 ..wanted
             };
             self.turret.motion = Some(motion);
+            self.turret.last_motion_id = motion.id;
             self.turret.is_rolling = false;
             outputs.motion = Some(self.turret.to_body(motion));
         }

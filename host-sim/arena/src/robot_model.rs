@@ -29,6 +29,7 @@ const ROBOTS: &[(&str, &str)] = &[
     ("crazyflie", include_str!("../../robots/crazyflie.toml")),
     ("turtlebot3", include_str!("../../robots/turtlebot3.toml")),
     ("lidar16", include_str!("../../robots/lidar16.toml")),
+    ("one-beam", include_str!("../../robots/one-beam.toml")),
 ];
 
 /// Kind of drive.

@@ -345,6 +345,14 @@ impl<P: Policy> RingController<16> for RingPilot<P> {
         true
     }
 
+    fn awaits_ring(&self) -> bool {
+        !self.moving
+    }
+
+    fn await_ring(&mut self, _: Millis) {
+        self.scan.renew();
+    }
+
     fn enabled(&self, _: &Config<16>) -> Mask {
         self.config.enabled
     }

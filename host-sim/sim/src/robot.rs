@@ -87,6 +87,8 @@ const CALIBRATION_PERCENT: u32 = 20;
 const LEAST_CALIBRATION_MOVES: u16 = 12;
 /// Distance from the body that a random move leaves meanwhile, mm of the Nomad's.
 const BABBLE_MARGIN_MM: u16 = 30;
+/// A robot with at most so many sensors turns on the spot to look around.
+const FEW_SENSORS: usize = 4;
 /// A holonomic base moves any way at once: its wheels turn this fast, rad/s.
 const AT_ONCE_RAD_S: f64 = 1e3;
 /// Turns of a differential drive with the Nomad's body, rad/s.
@@ -234,10 +236,20 @@ impl AnyRobot {
         sensors.collect()
     }
 
-    /// Whether the body turns to where it goes.
+    /// Whether its sensors look to few sides, so that it has to look around.
+    fn has_few_sensors(&self) -> bool {
+        self.model.sensors.len() <= FEW_SENSORS
+    }
+
+    /// Whether the body turns to where it goes. A holonomic body need not, but can: with few
+    /// sensors it looks around that way.
     #[must_use]
     pub fn turns(&self) -> bool {
-        self.model.drive == DriveKind::Differential
+        match self.model.drive {
+            DriveKind::Synchro => false,
+            DriveKind::Differential => true,
+            DriveKind::Holonomic => self.has_few_sensors(),
+        }
     }
 
     /// What the sensors do while the base turns its wheels.
@@ -255,9 +267,16 @@ impl AnyRobot {
         self.model.radius_m / COLLISION_RADIUS_M
     }
 
-    /// A length of the Nomad's, mm, scaled to this body.
+    /// A length of the Nomad's body, mm, scaled to this body.
     fn scaled_mm(&self, nomad_mm: u16) -> u16 {
         (f64::from(nomad_mm) * self.scale()).round() as u16
+    }
+
+    /// A length of the Nomad's ways, mm: scaled to this body, or to what its sensors see if that is
+    /// more.
+    fn scaled_way_mm(&self, nomad_mm: u16) -> u16 {
+        let sight = f64::from(self.reach_mm()) / 1e3 / SonarConfig::nomad().max_range_m;
+        (f64::from(nomad_mm) * self.scale().max(sight.min(1.0))).round() as u16
     }
 
     /// Size and limits of the base.
@@ -265,8 +284,8 @@ impl AnyRobot {
     pub fn limits(&self) -> BaseLimits {
         let nomad = BaseLimits::default();
         let turn_rate_rad_s = match self.model.drive {
-            DriveKind::Holonomic => AT_ONCE_RAD_S,
-            DriveKind::Synchro | DriveKind::Differential => self.model.max_turn_rad_s,
+            DriveKind::Holonomic if !self.turns() => AT_ONCE_RAD_S,
+            _ => self.model.max_turn_rad_s,
         };
         BaseLimits {
             radius_m: self.model.radius_m,

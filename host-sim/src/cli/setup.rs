@@ -56,12 +56,12 @@ pub struct SetupArgs {
     #[arg(long = "fault", value_name = "KIND:N", value_parser = parsed::<TransducerFault>)]
     faults: Vec<TransducerFault>,
     /// Robot: a built-in name (nomad200, p3dx, p3dx-front, p3at, epuck2, thymio2, khepera,
-    /// crazyflie, turtlebot3, lidar16) or a .toml FILE (see docs/robots.md); with --shield on, a
-    /// guard keeps other robots than nomad200 from everything they have seen
+    /// crazyflie, turtlebot3, lidar16, one-beam) or a .toml FILE (see docs/robots.md); with
+    /// --shield on, a guard keeps other robots than nomad200 from everything they have seen
     #[arg(long, value_name = "NAME|FILE", default_value = NOMAD)]
     robot: String,
     /// What another robot than nomad200 has: everything its own, or its layout and drive on the
-    /// Nomad's body, with the Nomad's range and cone
+    /// Nomad's body, with the Nomad's sonars
     #[arg(long, value_name = "own|nomad", default_value = "own", value_parser = parsed::<Ranges>)]
     ranges: Ranges,
     /// Whether another robot is told where its sensors look, or learns that from its

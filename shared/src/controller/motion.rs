@@ -162,7 +162,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     /// From now on every transducer has to be heard again.
-    pub(super) fn await_ring(&mut self, at: Millis) {
+    pub(crate) fn await_ring(&mut self, at: Millis) {
         self.scan.renew();
         self.waiting_since = at;
     }

@@ -22,6 +22,12 @@ pub trait RingController<const SECTORS: usize> {
     /// Whether it pursues a goal, so that a decision may be taken anew.
     fn pursues_goal(&self) -> bool;
 
+    /// Whether it orders a motion when the next ring is complete.
+    fn awaits_ring(&self) -> bool;
+
+    /// From now on every sector has to be heard again.
+    fn await_ring(&mut self, at: Millis);
+
     /// The sectors that it uses.
     fn enabled(&self, config: &Config<SECTORS>) -> Mask;
 
@@ -50,6 +56,14 @@ impl<const SECTORS: usize, const NEURONS: usize, const SAMPLES: usize> RingContr
 
     fn pursues_goal(&self) -> bool {
         matches!(self.mode(), Mode::Seek { .. })
+    }
+
+    fn awaits_ring(&self) -> bool {
+        matches!(self.mode(), Mode::Explore { .. } | Mode::Seek { .. }) && !self.is_moving()
+    }
+
+    fn await_ring(&mut self, at: Millis) {
+        Self::await_ring(self, at);
     }
 
     fn enabled(&self, config: &Config<SECTORS>) -> Mask {

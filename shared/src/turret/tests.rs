@@ -27,6 +27,7 @@ fn ring_body(guard_mm: Option<u16>) -> BodySpec<16> {
         enabled: Mask::ALL,
         points: PointLimits::NOMAD,
         silence_mm: None,
+        most_unseen: 16,
         guard_mm,
     }
 }
@@ -161,8 +162,7 @@ fn a_sensor_that_says_nothing_tells_nothing_but_a_certain_one_does() {
         rig.command(Command::Explore { moves: 9, seed: 5 });
         rig.hear(ranges);
         assert_eq!(rig.state.enabled(&rig.config).contains(2), is_known);
-        let found = rig.turret.ring()[2].map(Range::as_mm);
-        assert_eq!(found.map(|mm| mm / 10), silence_mm.map(|mm| mm / 10));
+        assert_eq!(rig.turret.ring()[2], None);
     }
 }
 
@@ -274,4 +274,61 @@ fn after_a_stop_a_whole_ring_is_heard_again() {
     };
     assert_eq!(rig.handle(last).motion, None);
     assert!(rig.hear([Some(900); 16]).is_some());
+}
+
+/// One beam ahead, and nothing known: turns to the left by quarters show all but the last sectors.
+#[test]
+fn a_robot_with_one_beam_looks_around_before_it_decides() {
+    let mut body = ring_body(None);
+    body.enabled = Mask::NONE.with(AHEAD);
+    body.most_unseen = 4;
+    let mut rig = Rig::new(body);
+    rig.hear([Some(900); 16]);
+    rig.command(Command::Explore { moves: 9, seed: 5 });
+    for glance in 0..3 {
+        let motion = rig.hear([Some(900); 16]).expect("a glance");
+        assert!(!rig.state.is_moving(), "{glance}");
+        let way = motion.displacement;
+        assert!(way.dx_mm == 0 && (1..=2).contains(&way.dy_mm), "{way:?}");
+        // Longer than two rings, which the controller would not wait for a silent ring.
+        for _ in 0..6 {
+            rig.ms += 500;
+            rig.report(motion, Displacement::ZERO, 15, Progress::Steering);
+            assert_eq!(rig.handle(Event::Tick).stopped, None);
+            assert_eq!(rig.hear([Some(900); 16]), None, "under way");
+        }
+        let ahead = Displacement::along(Bearing::ZERO, 2);
+        rig.report(motion, ahead, 0, Progress::Ended);
+    }
+    let motion = rig.hear([Some(900); 16]).expect("a random move");
+    assert!(rig.state.is_moving() && motion.displacement.length_mm() > 2);
+    let known = rig.state.enabled(&rig.config).indices(16).count();
+    assert!((12..16).contains(&known), "{known}");
+}
+
+#[test]
+fn a_robot_that_has_seen_enough_does_not_look_around() {
+    let mut body = ring_body(None);
+    body.most_unseen = 4;
+    let mut rig = Rig::new(body);
+    rig.command(Command::Explore { moves: 9, seed: 5 });
+    assert!(rig.hear([Some(900); 16]).is_some());
+    assert!(rig.state.is_moving());
+}
+
+/// A glance that the base does not end within the time of a half turn stops the robot.
+#[test]
+fn a_base_that_does_not_turn_is_not_waited_for() {
+    let mut body = ring_body(None);
+    body.enabled = Mask::NONE.with(AHEAD);
+    body.most_unseen = 4;
+    let mut rig = Rig::new(body);
+    rig.command(Command::Explore { moves: 9, seed: 5 });
+    let motion = rig.hear([Some(900); 16]).expect("a glance");
+    let stopped = (0..100).find_map(|_| {
+        rig.ms += 100;
+        rig.report(motion, Displacement::ZERO, 0, Progress::Steering);
+        rig.handle(Event::Tick).stopped
+    });
+    assert!(stopped.is_some());
 }

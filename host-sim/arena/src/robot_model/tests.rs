@@ -315,6 +315,7 @@ fn every_built_in_robot_has_its_own_name_and_sensors_on_the_body() {
             ("crazyflie", Holonomic, 4),
             ("turtlebot3", Differential, 16),
             ("lidar16", Holonomic, 16),
+            ("one-beam", Differential, 1),
         ]
     );
 }
@@ -372,7 +373,7 @@ fn a_robot_is_found_by_name_or_file() {
     assert_eq!(found.name, "two-eyes");
     let find = |text: &str| RobotModel::find(text).unwrap_err().to_string();
     let known = "nomad200, p3dx, p3dx-front, p3at, epuck2, thymio2, khepera, crazyflie, \
-                 turtlebot3, lidar16";
+                 turtlebot3, lidar16, one-beam";
     assert_eq!(
         find("nomad20"),
         format!(

@@ -30,15 +30,16 @@ impl AnyRobot {
             enabled,
             points: PointLimits {
                 face_radius_mm: self.scaled_mm(nomad.face_radius_mm),
-                keep_mm: self.scaled_mm(nomad.keep_mm),
-                beyond_mm: self.scaled_mm(nomad.beyond_mm),
-                here_mm: self.scaled_mm(nomad.here_mm),
-                near_mm: self.scaled_mm(nomad.near_mm),
-                replan_within_mm: self.scaled_mm(nomad.replan_within_mm),
-                replan_nearer_mm: self.scaled_mm(nomad.replan_nearer_mm),
+                keep_mm: self.scaled_way_mm(nomad.keep_mm),
+                beyond_mm: self.scaled_way_mm(nomad.beyond_mm),
+                here_mm: self.scaled_way_mm(nomad.here_mm),
+                near_mm: self.scaled_way_mm(nomad.near_mm),
+                replan_within_mm: self.scaled_way_mm(nomad.replan_within_mm),
+                replan_nearer_mm: self.scaled_way_mm(nomad.replan_nearer_mm),
                 ..nomad
             },
             silence_mm: self.silence_mm(),
+            most_unseen: if self.has_few_sensors() { 4 } else { u8::MAX },
             guard_mm: guard_m.map(|m| (m * 1e3).round() as u16),
         }
     }
@@ -48,7 +49,7 @@ impl AnyRobot {
     #[must_use]
     pub fn config(&self, config: Config<16>) -> Config<16> {
         let (limits, reach_mm) = (self.limits(), self.reach_mm());
-        let scaled = |mm| self.scaled_mm(mm);
+        let (scaled, scaled_way) = (|mm| self.scaled_mm(mm), |mm| self.scaled_way_mm(mm));
         let half_turn_s = std::f64::consts::PI / self.model.max_turn_rad_s;
         Config {
             robot: RobotSpec {
@@ -56,22 +57,22 @@ impl AnyRobot {
                 symmetric: true,
                 face_radius_mm: scaled(config.robot.face_radius_mm),
                 body_radius_mm: scaled(config.robot.body_radius_mm),
-                step_mm: scaled(config.robot.step_mm).min(reach_mm / 4),
+                step_mm: scaled_way(config.robot.step_mm).min(reach_mm / 4),
                 speed_mm_s: (limits.speed_m_s * 1e3).round() as u16,
                 ring_period_ms: (self.model.period_s * 1e3).round() as u16,
                 steer_ms: ((half_turn_s + 2.0) * 1e3) as u16,
                 ..config.robot
             },
             encoding: Encoding {
-                near_mm: scaled(config.encoding.near_mm).min(reach_mm / 8),
-                far_mm: scaled(config.encoding.far_mm).min(reach_mm),
+                near_mm: scaled_way(config.encoding.near_mm).min(reach_mm / 8),
+                far_mm: scaled_way(config.encoding.far_mm).min(reach_mm),
             },
             exploration: Exploration {
-                shortest_mm: scaled(config.exploration.shortest_mm).min(reach_mm / 8),
+                shortest_mm: scaled_way(config.exploration.shortest_mm).min(reach_mm / 8),
                 ..config.exploration
             },
             learning: Learning {
-                largest_change_mm: scaled(config.learning.largest_change_mm),
+                largest_change_mm: scaled_way(config.learning.largest_change_mm),
                 // None, unless it was set: a wrong point is in the ring for more than one move.
                 most_changed: match config.learning.most_changed {
                     u8::MAX => 0,
@@ -79,9 +80,11 @@ impl AnyRobot {
                 },
                 ..config.learning
             },
-            clearance_mm: scaled(config.clearance_mm).min(reach_mm / 2),
+            clearance_mm: scaled_way(config.clearance_mm).min(reach_mm / 2),
             shield: None,
             fault_detection: false,
+            // Where silence means free space it is no failure.
+            open_space: config.open_space || self.silence_mm().is_some(),
             ..config
         }
     }
