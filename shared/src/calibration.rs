@@ -15,9 +15,12 @@ use heapless::Vec;
 use micromath::F32Ext;
 
 mod babble;
+mod full_turn;
 mod solve;
 
 pub use babble::{Babble, BabbleLimits};
+use full_turn::FullTurn;
+pub use solve::LearnedBody;
 
 /// Turns are told apart in so many steps of 5.6°.
 const BINS: usize = 64;
@@ -30,13 +33,15 @@ const SLOPES: usize = 512;
 /// The place is left after so much travel, millimeters.
 const LEFT_MM: u32 = 20;
 /// A range's change over less or more travel than this tells nothing, millimeters.
-const SLOPE_MM: core::ops::RangeInclusive<i32> = 30..=2_000;
+const SLOPE_MM: core::ops::RangeInclusive<i32> = 30..=500;
+/// A range changes by at most so much of the travel, tenths: a base may go farther than it thinks.
+const LARGEST_SLOPE_TENTHS: i32 = 16;
+/// Half a turn in 1/1 024 turn.
+const HALF_TURN: u16 = 512;
 /// Bearings within 1° are the same heading.
 const SAME_HEADING: u16 = (65_536_u32 / 360) as u16;
 /// Ranges count as at most this, millimeters.
 const FARTHEST_MM: u16 = 5_000;
-/// More than this counts as this: half of a logarithm.
-const MAX_DISSIMILARITY: i16 = 511;
 /// A sensor whose readings vary by less than this on average is dead: 0.02 of a logarithm.
 const LEAST_SPREAD: i32 = 20;
 
@@ -44,7 +49,8 @@ const LEAST_SPREAD: i32 = 20;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Reading {
     sensor: u8,
-    heading: Bearing,
+    /// Turn since the place began, 1/1 024 turn.
+    turned: i16,
     value: i16,
 }
 
@@ -60,38 +66,32 @@ struct Latest {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Slope {
     sensor: u8,
-    /// Travel ahead, millimeters; negative backwards.
-    ahead_mm: i16,
+    /// Travel ahead in units of 4 mm; negative backwards.
+    ahead_4mm: i8,
     /// Change of the range, millimeters.
     change_mm: i16,
 }
 
-/// How dissimilar the readings of two sensors are after a turn. Low 12 bits: a running average,
-/// 8 = one unit of a reading. High 4 bits: the number of comparisons.
+/// How dissimilar the readings of two sensors are after a turn: a running average, 1 = two units of
+/// a reading. More than half of a logarithm counts as that.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Dissimilarity(u16);
+struct Dissimilarity(u8);
 
 impl Dissimilarity {
-    const NONE: Self = Self(0);
-    /// The average forgets with this time constant.
-    const MEMORY: u16 = 15;
+    const NONE: Self = Self(u8::MAX);
+    const MOST: i32 = 254;
+    /// The average takes this part of the difference to a new value.
+    const PART: i32 = 15;
 
-    const fn mean(self) -> u16 {
-        self.0 & 0xFFF
+    /// The average; `None` before the first comparison.
+    fn mean(self) -> Option<u8> {
+        (self != Self::NONE).then_some(self.0)
     }
 
-    const fn count(self) -> u16 {
-        self.0 >> 12
-    }
-
-    fn learn(&mut self, difference: i16) {
-        let count = (self.count() + 1).min(Self::MEMORY);
-        let (old, new) = (
-            i32::from(self.mean()),
-            i32::from(difference.min(MAX_DISSIMILARITY)) * 8,
-        );
-        let step = crate::units::div_round(new - old, count.into());
-        self.0 = count << 12 | (old + step) as u16 & 0xFFF;
+    fn learn(&mut self, difference: u16) {
+        let new = (i32::from(difference) / 2).min(Self::MOST);
+        let old = self.mean().map_or(new, i32::from);
+        self.0 = (old + crate::units::div_round(new - old, Self::PART)) as u8;
     }
 }
 
@@ -105,7 +105,12 @@ pub struct Calibration<const BEAMS: usize> {
     slopes: Vec<Slope, SLOPES>,
     /// Of each sensor: mean of its readings, and mean deviation from that in sixteenths.
     means: [Option<(i32, i32)>; BEAMS],
+    full_turn: FullTurn,
     heading: Bearing,
+    /// Turn since the present place began, 1/65 536 turn.
+    turned: i32,
+    /// Sum of all displacements in the frame of the body: a base goes ahead.
+    way: (i32, i32),
     traveled_mm: i32,
     /// Travel since the present place began.
     away_mm: u32,
@@ -127,21 +132,46 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
             latest: [None; BEAMS],
             slopes: Vec::new(),
             means: [None; BEAMS],
+            full_turn: FullTurn::NEW,
             heading: Bearing::ZERO,
+            turned: 0,
+            way: (0, 0),
             traveled_mm: 0,
             away_mm: 0,
         }
     }
 
-    /// The body has moved, x ahead, and then turned.
+    /// The body has moved and then turned, by what its base tells.
     pub fn moved(&mut self, moved: Displacement, turned: Bearing) {
+        let (x, y) = (moved.dx_mm.into(), moved.dy_mm.into());
         self.heading = self.heading.plus(turned);
-        self.traveled_mm = self.traveled_mm.wrapping_add(moved.dx_mm.into());
+        self.turned = self.turned.saturating_add(turned.as_signed_turns().into());
+        self.way = (self.way.0.saturating_add(x), self.way.1.saturating_add(y));
+        let length_mm = i32::from(moved.length_mm());
+        let is_ahead =
+            i64::from(x) * i64::from(self.way.0) + i64::from(y) * i64::from(self.way.1) >= 0;
+        let ahead_mm = if is_ahead { length_mm } else { -length_mm };
+        self.traveled_mm = self.traveled_mm.wrapping_add(ahead_mm);
         self.away_mm = self.away_mm.saturating_add(moved.length_mm().into());
         if self.away_mm >= LEFT_MM {
-            self.readings.clear();
-            self.away_mm = 0;
+            self.begin_place();
         }
+    }
+
+    /// From now on the body is at another place.
+    fn begin_place(&mut self) {
+        self.readings.clear();
+        (self.away_mm, self.turned) = (0, 0);
+    }
+
+    /// Where the base goes ahead, in its own frame.
+    fn front(&self) -> Bearing {
+        let (x, y) = self.way;
+        let bits = (x.unsigned_abs() | y.unsigned_abs())
+            .checked_ilog2()
+            .unwrap_or(0);
+        let shift = bits.saturating_sub(13);
+        Displacement::saturating(x >> shift, y >> shift).bearing()
     }
 
     /// A sensor was heard, less than `BEAMS`; `None` = no echo.
@@ -151,7 +181,7 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
         }
         let seen = Reading {
             sensor: sensor as u8,
-            heading: self.heading,
+            turned: (self.turned >> 6) as i16,
             value: logarithm(range),
         };
         self.note_spread(sensor, seen.value.into());
@@ -174,18 +204,19 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
     /// Compares a reading with those of other sensors at this place, and keeps it.
     fn compare(&mut self, seen: Reading) {
         for before in &self.readings {
-            if before.sensor != seen.sensor {
-                let turn = seen.heading.minus(before.heading);
+            let turned = seen.turned.saturating_sub(before.turned);
+            let difference = seen.value.abs_diff(before.value);
+            if before.sensor == seen.sensor {
+                self.full_turn.compare(turned, difference);
+            } else if turned.unsigned_abs() <= HALF_TURN {
+                let turn = Bearing::from_turns((turned as u16) << 6);
                 let pair = (before.sensor.into(), seen.sensor.into());
                 if let Some(dissimilarity) = cell(&mut self.dissimilarity, pair, turn) {
-                    dissimilarity.learn(seen.value.abs_diff(before.value) as i16);
+                    dissimilarity.learn(difference);
                 }
             }
         }
-        if self.readings.is_full() {
-            self.readings.remove(0);
-        }
-        // There is room.
+        // A full turn ends with what was read first: that is kept.
         let _ = self.readings.push(seen);
     }
 
@@ -208,7 +239,7 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
         }
         let change_mm = i32::from(after.range.as_mm()) - i32::from(before.range.as_mm());
         // A range cannot change by more than the travel; what does belongs to another surface.
-        if change_mm.abs() > ahead_mm.abs() * 13 / 10 + 20 {
+        if change_mm.abs() > ahead_mm.abs() * LARGEST_SLOPE_TENTHS / 10 + 20 {
             return;
         }
         if self.slopes.is_full() {
@@ -216,7 +247,7 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
         }
         let _ = self.slopes.push(Slope {
             sensor: sensor as u8,
-            ahead_mm: ahead_mm as i16,
+            ahead_4mm: crate::units::div_round(ahead_mm, 4) as i8,
             change_mm: change_mm as i16,
         });
     }

@@ -85,6 +85,7 @@ compile_error!("the tests of this crate need the features faults, link and store
 struct Readme;
 
 pub mod action_map;
+pub mod actuation;
 mod arrays;
 pub mod calibration;
 #[cfg(feature = "store")]

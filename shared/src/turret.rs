@@ -8,6 +8,7 @@
 //! A body that turns before it goes listens on the way: if something nearer than thought shows up
 //! where it is about to go, it decides again. A guard ends motions short of any point.
 
+use crate::actuation::{Actuation, Odometer};
 use crate::config::Config;
 use crate::controller::{Event, Motion, Outputs, Progress};
 use crate::fixed::Mask;
@@ -36,6 +37,8 @@ pub struct BodySpec<const BEAMS: usize> {
     pub mounts: [Mount; BEAMS],
     /// Sensors that exist and are used.
     pub enabled: Mask,
+    /// What the base makes of its commands.
+    pub actuation: Actuation,
     /// How long points last.
     pub points: PointLimits,
     /// How far a sensor that hears nothing sees free space, millimeters from its face; `None` = it
@@ -62,6 +65,7 @@ const FORGET_MS: u32 = 600_000;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VirtualTurret<const SECTORS: usize, const POINTS: usize> {
     memory: PointMemory<POINTS>,
+    odometer: Odometer,
     /// Sensors heard since the last motion ended, or since the last decision.
     fresh: Mask,
     /// When a sensor was heard last.
@@ -94,6 +98,7 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
     pub const fn new() -> Self {
         Self {
             memory: PointMemory::new(),
+            odometer: Odometer::NEW,
             fresh: Mask::NONE,
             heard_at: Millis::from_ms(0),
             last_ring: [None; SECTORS],
@@ -144,11 +149,11 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
         })
     }
 
-    /// Turns a motion from the frame of the start into the body's.
-    fn to_body(&self, motion: Motion) -> Motion {
+    /// Turns a motion from the frame of the start into the one that the base is to be told.
+    fn to_base(&self, actuation: &Actuation, motion: Motion) -> Motion {
         let back = self.memory.heading().direction().mirrored();
         Motion {
-            displacement: motion.displacement.rotated(back),
+            displacement: actuation.command(motion.displacement.rotated(back)),
             ..motion
         }
     }
@@ -323,7 +328,7 @@ where
             self.turret.motion = Some(motion);
             self.turret.last_motion_id = motion.id;
             self.turret.is_rolling = false;
-            outputs.motion = Some(self.turret.to_body(motion));
+            outputs.motion = Some(self.turret.to_base(&self.body.actuation, motion));
         }
         outputs
     }
@@ -358,7 +363,7 @@ where
         };
         self.turret.motion = Some(motion);
         Outputs {
-            motion: Some(self.turret.to_body(motion)),
+            motion: Some(self.turret.to_base(&self.body.actuation, motion)),
             ..Outputs::NONE
         }
     }
@@ -366,6 +371,7 @@ where
     /// Takes a report of the base; returns the displacement in the frame of the start.
     fn moved(&mut self, moved: Displacement, turned: Bearing, progress: Progress) -> Displacement {
         let turret = &mut *self.turret;
+        let (moved, turned) = turret.odometer.correct(&self.body.actuation, moved, turned);
         let in_frame = moved.rotated(turret.memory.heading().direction());
         turret.memory.moved(&self.body.points, moved, turned);
         if let Some(motion) = &mut turret.motion {

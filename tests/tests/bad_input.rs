@@ -81,8 +81,20 @@ const CASES: &[Case] = &[
     ("run --robot gone.toml", &["gone.toml"]),
     ("run --robot p3dx --geometry lerned", &["lerned", "learned"]),
     (
-        "run --robot crazyflie --geometry learned",
-        &["crazyflie", "turn"],
+        "run --robot lidar16 --geometry learned",
+        &["lidar16", "turn"],
+    ),
+    (
+        "run --robot p3dx --actuators learned",
+        &["--actuators learned", "--geometry learned"],
+    ),
+    (
+        "run --robot p3dx --geometry learned --actuators lerned",
+        &["lerned", "learned"],
+    ),
+    (
+        "run --miswire 1",
+        &["--miswire", "another robot than nomad200"],
     ),
     (
         "run --geometry learned",

@@ -1,6 +1,7 @@
 //! Robots other than the Nomad: a model, and what its sensors can tell.
 
-use amp::calibration::BabbleLimits;
+use amp::actuation::Actuation;
+use amp::calibration::{BabbleLimits, Calibration, LearnedBody};
 use amp::config::Config;
 use amp::fixed::Mask;
 use amp::turret::{BodySpec, Mount};
@@ -64,6 +65,61 @@ impl FromStr for Geometry {
     }
 }
 
+/// Whether the controller is told what its commands do and what its odometry means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Actuators {
+    /// They mean what they say.
+    #[default]
+    Known,
+    /// It learns that from its random moves.
+    Learned,
+}
+
+impl FromStr for Actuators {
+    type Err = BadInput;
+
+    fn from_str(text: &str) -> Result<Self, BadInput> {
+        match text {
+            "known" => Ok(Self::Known),
+            "learned" => Ok(Self::Learned),
+            _ => Err(BadInput::unknown("actuators", text, &["known", "learned"])),
+        }
+    }
+}
+
+/// A base whose commands and odometry do not mean what they say.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Miswiring {
+    /// Where the base goes ahead, in the frame of its commands, rad.
+    pub front_rad: f64,
+    /// Left and right are exchanged.
+    pub is_mirrored: bool,
+    /// True length of what the base takes for 1.
+    pub length: f64,
+    /// True turn of what the base takes for 1.
+    pub turn: f64,
+}
+
+impl Miswiring {
+    /// Drawn from a seed: any front and side, lengths from 0.7 to 1.4, turns from 0.8 to 1.25.
+    #[must_use]
+    pub fn of_seed(seed: u64) -> Self {
+        let mut noise = Noise::new(seed);
+        Self {
+            front_rad: noise.uniform_in(0.0, TAU),
+            is_mirrored: noise.chance(0.5),
+            length: noise.uniform_in(0.7, 1.4),
+            turn: noise.uniform_in(0.8, 1.25),
+        }
+    }
+
+    /// 1, or −1 where left and right are exchanged.
+    #[must_use]
+    pub fn side(&self) -> f64 {
+        if self.is_mirrored { -1.0 } else { 1.0 }
+    }
+}
+
 /// A robot whose sensors stand anywhere on its body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AnyRobot {
@@ -74,7 +130,9 @@ pub struct AnyRobot {
     guard: Option<f64>,
     /// Which sensor is wired to each input of the controller.
     wires: Vec<usize>,
+    miswiring: Option<Miswiring>,
     geometry: Geometry,
+    actuators: Actuators,
 }
 
 /// Distance that the guard keeps, as a share of the body's radius: 90 mm for the Nomad.
@@ -117,7 +175,9 @@ impl AnyRobot {
             ranges,
             guard,
             wires: (0..count).collect(),
+            miswiring: None,
             geometry: Geometry::Known,
+            actuators: Actuators::Known,
         })
     }
 
@@ -144,6 +204,41 @@ impl AnyRobot {
         }
         self.geometry = geometry;
         Ok(self)
+    }
+
+    /// The same robot with a base whose commands and odometry do not mean what they say; the
+    /// controller is not told.
+    #[must_use]
+    pub fn miswired(mut self, miswiring: Miswiring) -> Self {
+        self.miswiring = Some(miswiring);
+        self
+    }
+
+    /// What is wrong with its base, if anything is.
+    #[must_use]
+    pub fn miswiring(&self) -> Option<Miswiring> {
+        self.miswiring
+    }
+
+    /// The same robot, told what its commands do or not.
+    ///
+    /// # Errors
+    /// Actuators to be learned with a geometry that is known: what is left and what is right, and
+    /// which way is ahead, is learned of both together.
+    pub fn with_actuators(mut self, actuators: Actuators) -> Result<Self, BadInput> {
+        if actuators == Actuators::Learned && self.geometry == Geometry::Known {
+            return Err(BadInput::new(
+                "--actuators learned: only with --geometry learned",
+            ));
+        }
+        self.actuators = actuators;
+        Ok(self)
+    }
+
+    /// Whether the controller is told what its commands do.
+    #[must_use]
+    pub fn actuators(&self) -> Actuators {
+        self.actuators
     }
 
     /// Whether the controller is told where its sensors look.
@@ -189,17 +284,29 @@ impl AnyRobot {
                 .saturating_sub(config.robot.face_radius_mm)
                 + self.scaled_mm(BABBLE_MARGIN_MM),
             speed_mm_s: config.robot.speed_mm_s,
+            learns_actuation: self.actuators == Actuators::Learned,
         }
     }
 
     /// The body with its sensors where they were found to look; those that were not are not used.
     #[must_use]
-    pub fn learned_body(&self, bearings: &[Option<Bearing>; MAX_BEAMS]) -> BodySpec<MAX_BEAMS> {
+    pub fn learned_body(&self, calibration: &Calibration<MAX_BEAMS>) -> BodySpec<MAX_BEAMS> {
+        let LearnedBody {
+            bearings,
+            actuation,
+        } = match self.actuators {
+            Actuators::Known => LearnedBody {
+                bearings: calibration.solve(),
+                actuation: Actuation::EXACT,
+            },
+            Actuators::Learned => calibration.solve_all(),
+        };
         let mut body = self.body();
+        body.actuation = actuation;
         let face_mm = body.points.face_radius_mm.into();
         body.enabled = Mask::NONE;
         for (sensor, (mount, bearing)) in body.mounts.iter_mut().zip(bearings).enumerate() {
-            if let Some(axis) = *bearing {
+            if let Some(axis) = bearing {
                 let position = Displacement::along(axis, face_mm);
                 *mount = Mount { position, axis };
                 body.enabled = body.enabled.with(sensor);
@@ -215,7 +322,9 @@ impl AnyRobot {
         let mut errors: Vec<f64> = exact
             .filter(|(sensor, _)| body.enabled.contains(*sensor))
             .map(|(sensor, exact)| {
-                let error = body.mounts[sensor].axis.minus(bearing(exact.bearing_rad));
+                let side = self.miswiring.map_or(1.0, |wrong| wrong.side());
+                let exact = bearing(exact.bearing_rad * side);
+                let error = body.mounts[sensor].axis.minus(exact);
                 f64::from(error.as_signed_turns()).abs() * 360.0 / 65_536.0
             })
             .collect();

@@ -1,6 +1,7 @@
 //! `host-sim bodies`: measures robots whose sensors stand anywhere on their bodies.
 
 use super::output::bar;
+use super::robot::ToldArgs;
 use super::setup::parsed;
 use super::{CliError, table};
 use amp::config::Config;
@@ -28,13 +29,8 @@ pub struct BodiesArgs {
     /// What the robots have: everything their own, or their layout and drive on the Nomad's body
     #[arg(long, value_name = "own|nomad", default_value = "nomad", value_parser = parsed::<Ranges>)]
     ranges: Ranges,
-    /// Whether the robots are told where their sensors look, or learn that from
-    /// their random moves
-    #[arg(long, value_name = "known|learned", default_value = "known", value_parser = parsed::<Geometry>)]
-    geometry: Geometry,
-    /// Permute the wires of the sensors; the controller is not told
-    #[arg(long, value_name = "SEED")]
-    scramble: Option<u64>,
+    #[command(flatten)]
+    told: ToldArgs,
     /// What chooses the moves: the maps, or a rule without maps, which only avoids obstacles and
     /// has no guard
     #[arg(long, value_name = "NAME", default_value = "maps", value_enum)]
@@ -116,7 +112,7 @@ const HEADS: [&str; 9] = [
 /// An unknown robot or a bad file.
 pub fn bodies(args: &BodiesArgs, out: &mut impl Write) -> Result<(), CliError> {
     let control = args.method.control();
-    if control.is_some() && args.geometry == Geometry::Learned {
+    if control.is_some() && args.told.geometry() == Geometry::Learned {
         return Err(BadInput::new(
             "--geometry learned: only with the maps, not with another --method",
         )
@@ -178,13 +174,8 @@ fn robots(args: &BodiesArgs) -> Result<NamedRobots, BadInput> {
         }
         let model = RobotModel::find(name)?;
         let built = |has_guard| {
-            let robot = AnyRobot::new(model.clone(), args.ranges, has_guard)?
-                .with_geometry(args.geometry)?;
-            robot.check_moves(args.explore)?;
-            Ok(Some(match args.scramble {
-                None => robot,
-                Some(seed) => robot.scrambled(seed),
-            }))
+            let robot = AnyRobot::new(model.clone(), args.ranges, has_guard)?;
+            args.told.apply(robot, args.explore).map(Some)
         };
         Ok((name.clone(), [built(false)?, built(true)?]))
     };

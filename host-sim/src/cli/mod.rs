@@ -21,6 +21,7 @@ mod output;
 mod paper;
 mod remote;
 mod repetition;
+mod robot;
 mod run;
 mod setup;
 mod summary;

@@ -1,16 +1,16 @@
 //! The flags that define an episode: behavior, options, sonars, turret.
 
+use super::robot::RobotArgs;
 use super::run::{Preset, SonarChoice, Switch, TurretChoice};
 use amp::config::Config;
 use arena::robot::TurretMode;
-use arena::robot_model::RobotModel;
 use arena::sonar::TransducerFault;
 use clap::Args;
 use files::error::BadInput;
 use sim::behavior::Behavior;
 use sim::episode::Setup;
 use sim::pilot::MAX_MOVES;
-use sim::robot::{AnyRobot, Geometry, Ranges};
+use sim::robot::AnyRobot;
 use sim::settings;
 
 /// Flags for a robot's behavior and its controller's options.
@@ -55,30 +55,13 @@ pub struct SetupArgs {
     /// fault-detection=off)
     #[arg(long = "fault", value_name = "KIND:N", value_parser = parsed::<TransducerFault>)]
     faults: Vec<TransducerFault>,
-    /// Robot: a built-in name (nomad200, p3dx, p3dx-front, p3at, epuck2, thymio2, khepera,
-    /// crazyflie, turtlebot3, lidar16, one-beam) or a .toml FILE (see docs/robots.md); with
-    /// --shield on, a guard keeps other robots than nomad200 from everything they have seen
-    #[arg(long, value_name = "NAME|FILE", default_value = NOMAD)]
-    robot: String,
-    /// What another robot than nomad200 has: everything its own, or its layout and drive on the
-    /// Nomad's body, with the Nomad's sonars
-    #[arg(long, value_name = "own|nomad", default_value = "own", value_parser = parsed::<Ranges>)]
-    ranges: Ranges,
-    /// Whether another robot is told where its sensors look, or learns that from its
-    /// random moves
-    #[arg(long, value_name = "known|learned", default_value = "known", value_parser = parsed::<Geometry>)]
-    geometry: Geometry,
-    /// Permute the wires of another robot's sensors; the controller is not told
-    #[arg(long, value_name = "SEED")]
-    scramble: Option<u64>,
+    #[command(flatten)]
+    robot: RobotArgs,
     /// Whether the ring keeps its bearing in the world or turns with the heading
     /// [default: held; follow for the preset touzet]
     #[arg(long, value_name = "MODE", value_enum)]
     turret: Option<TurretChoice>,
 }
-
-/// The robot with a ring on a turret.
-const NOMAD: &str = "nomad200";
 
 /// Parses a value by its type.
 pub(super) fn parsed<T: std::str::FromStr<Err = BadInput>>(text: &str) -> Result<T, BadInput> {
@@ -146,7 +129,7 @@ impl SetupArgs {
         if self.robot()?.is_some() {
             return Err(BadInput::new(format!(
                 "--robot {}: here only nomad200 with its own ranges",
-                self.robot
+                self.robot.name()
             )));
         }
         self.setup()
@@ -157,31 +140,15 @@ impl SetupArgs {
     /// # Errors
     /// An unknown robot or a bad file; a turret for a robot that has none.
     fn robot(&self) -> Result<Option<AnyRobot>, BadInput> {
-        if self.robot == NOMAD && self.ranges == Ranges::Own {
-            let only_others = |flag| {
-                let text = format!("--{flag}: only with another robot than {NOMAD}");
-                Err(BadInput::new(text))
-            };
-            return match (self.scramble, self.geometry) {
-                (None, Geometry::Known) => Ok(None),
-                (Some(_), _) => only_others("scramble"),
-                (None, Geometry::Learned) => only_others("geometry"),
-            };
-        }
-        if self.turret.is_some() {
+        let has_guard = self.task.shield == Switch::On;
+        let robot = self.robot.find(has_guard, self.task.explore)?;
+        if let (Some(_), Some(_)) = (&robot, self.turret) {
             return Err(BadInput::new(format!(
                 "--turret: the robot \"{}\" has no turret",
-                self.robot
+                self.robot.name()
             )));
         }
-        let model = RobotModel::find(&self.robot)?;
-        let robot = AnyRobot::new(model, self.ranges, self.task.shield == Switch::On)?
-            .with_geometry(self.geometry)?;
-        robot.check_moves(self.task.explore)?;
-        Ok(Some(match self.scramble {
-            None => robot,
-            Some(seed) => robot.scrambled(seed),
-        }))
+        Ok(robot)
     }
 
     /// The setup of an episode of one step, without a recording.

@@ -18,8 +18,15 @@ pub struct BabbleLimits {
     pub margin_mm: u16,
     /// Speed, mm/s.
     pub speed_mm_s: u16,
+    /// The body learns what its base does as well: after the first move it turns once around, and
+    /// it leaves more room, because the base may go farther than it thinks.
+    pub learns_actuation: bool,
 }
 
+/// Quarters of a turn that are once around, even for a base that turns less far than it thinks.
+const QUARTERS: u16 = 6;
+/// A base turns only to where it goes: as far as it has to go for that, millimeters.
+const TURNING_MM: i32 = 2;
 /// Shortest move, millimeters: enough to make the base turn.
 const SHORTEST_MM: u16 = 5;
 
@@ -29,6 +36,7 @@ pub struct Babble<const BEAMS: usize> {
     calibration: Calibration<BEAMS>,
     rng: Xoshiro128PlusPlus,
     moves_left: u16,
+    moves_made: u16,
     motion_id: u16,
     is_moving: bool,
     /// Sensors heard since the last move ended.
@@ -44,6 +52,7 @@ impl<const BEAMS: usize> Babble<BEAMS> {
             calibration: Calibration::new(),
             rng: Xoshiro128PlusPlus::seed_from_u64(seed),
             moves_left: moves,
+            moves_made: 0,
             motion_id: 0,
             is_moving: false,
             fresh: Mask::NONE,
@@ -116,13 +125,25 @@ impl<const BEAMS: usize> Babble<BEAMS> {
             return None;
         }
         self.moves_left -= 1;
+        self.moves_made = self.moves_made.wrapping_add(1);
         self.motion_id = self.motion_id.wrapping_add(1);
         self.is_moving = true;
         Some(Motion {
             id: self.motion_id,
-            displacement: self.random_move(limits),
+            displacement: self.next_move(limits),
             speed_mm_s: limits.speed_mm_s,
         })
+    }
+
+    fn next_move(&mut self, limits: &BabbleLimits) -> Displacement {
+        if !limits.learns_actuation || !(2..2 + QUARTERS).contains(&self.moves_made) {
+            return self.random_move(limits);
+        }
+        if self.moves_made == 2 {
+            self.calibration.begin_place();
+        }
+        let left = self.calibration.front().plus(Bearing::of_place(1, 4));
+        Displacement::along(left, TURNING_MM)
     }
 
     /// Any bearing; no farther than the nearest thing heard, less the margin.
@@ -131,6 +152,11 @@ impl<const BEAMS: usize> Babble<BEAMS> {
         let free_mm = nearest.map_or(limits.longest_mm, |nearest| {
             nearest.as_mm().saturating_sub(limits.margin_mm)
         });
+        let free_mm = if limits.learns_actuation {
+            free_mm / 3 * 2
+        } else {
+            free_mm
+        };
         let longest = u64::from(free_mm.min(limits.longest_mm).max(SHORTEST_MM));
         let bearing = Bearing::from_turns(self.rng.next_u32() as u16);
         let length = (u64::from(self.rng.next_u32()) * longest) >> 32;

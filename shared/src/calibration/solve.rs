@@ -1,6 +1,7 @@
 //! The bearings that make readings after turns most similar.
 
 use super::{BINS, Calibration, Slope, place};
+use crate::actuation::{Actuation, ONE_Q12};
 use crate::fixed::Mask;
 use crate::units::Bearing;
 use micromath::F32Ext;
@@ -14,32 +15,56 @@ const FITS: usize = 10;
 /// Weights of a bin and its neighbors, tenths.
 const SMOOTH: [u32; 5] = [2, 7, 10, 7, 2];
 
+/// What was learned of a body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LearnedBody<const BEAMS: usize> {
+    /// Bearing of each sensor, from where the body goes ahead; `None` = dead.
+    pub bearings: [Option<Bearing>; BEAMS],
+    /// What its base makes of its commands. Left and right may be exchanged in the base and so in
+    /// all bearings: nothing in a room tells which is which.
+    pub actuation: Actuation,
+}
+
 impl<const BEAMS: usize> Calibration<BEAMS> {
-    /// Bearing of each sensor, from the body's front; `None` = dead.
+    /// Bearings of the sensors of a body whose base does what it is told.
     #[must_use]
     pub fn solve(&self) -> [Option<Bearing>; BEAMS] {
-        let alive = self.alive();
-        let costs = Costs::of(self);
-        let live = || alive.indices(BEAMS);
-        let mut best: Option<(i32, [Option<Bearing>; BEAMS])> = None;
-        for first in live().take(STARTS) {
-            let mut bearings = costs.grow(alive, first);
-            for _ in 0..SWEEPS {
-                for sensor in live() {
-                    costs.improve(&mut bearings, sensor);
-                }
-            }
-            let total = live().fold(0_i32, |sum, sensor| {
-                let own = bearings.get(sensor).copied().flatten();
-                sum.saturating_add(own.map_or(0, |own| costs.at(&bearings, sensor, own)))
-            });
-            if best.is_none_or(|(least, _)| total < least) {
-                best = Some((total, bearings));
-            }
+        self.with_front(self.best_bearings(ONE_Q12).1).0
+    }
+
+    /// Bearings of the sensors, and what the base makes of its commands.
+    #[must_use]
+    pub fn solve_all(&self) -> LearnedBody<BEAMS> {
+        let turn_q12 = self.full_turn.turn_q12();
+        let (_, bearings) = self.best_bearings(turn_q12);
+        let (bearings, length) = self.with_front(bearings);
+        LearnedBody {
+            bearings,
+            actuation: Actuation {
+                front: self.front(),
+                length_q12: F32Ext::round(length.clamp(0.25, 4.0) * f32::from(ONE_Q12)) as u16,
+                turn_q12,
+            },
         }
-        let bearings = best.map_or([None; BEAMS], |(_, bearings)| bearings);
-        let ahead = ahead(&self.slopes, &bearings);
-        bearings.map(|bearing| bearing.map(|bearing| bearing.plus(ahead)))
+    }
+
+    /// Bearings up to a common turn, and what they cost, where the base turns so far.
+    fn best_bearings(&self, turn_q12: u16) -> (i32, [Option<Bearing>; BEAMS]) {
+        let alive = self.alive();
+        let costs = Costs::of(self, turn_q12);
+        let starts = alive.indices(BEAMS).take(STARTS);
+        let found = starts.map(|first| costs.swept(alive, costs.grow(alive, first)));
+        let none = (i32::MAX, [None; BEAMS]);
+        found.fold(none, |best, one| if one.0 < best.0 { one } else { best })
+    }
+
+    /// The bearings from the body's front, and the true length of what the base takes for 1.
+    fn with_front(&self, bearings: [Option<Bearing>; BEAMS]) -> ([Option<Bearing>; BEAMS], f32) {
+        let (x, y) = ahead(&self.slopes, &bearings);
+        let turns = F32Ext::atan2(y, x) * (32_768.0 / core::f32::consts::PI);
+        let front = Bearing::from_turns(F32Ext::round(turns) as i32 as u16);
+        let from_front = bearings.map(|bearing| bearing.map(|bearing| bearing.plus(front)));
+        (from_front, square_root(x * x + y * y))
     }
 }
 
@@ -47,13 +72,16 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
 struct Costs<'a, const BEAMS: usize> {
     calibration: &'a Calibration<BEAMS>,
     means: [[u16; BEAMS]; BEAMS],
+    /// True turn of what the base takes for 4 096.
+    turn_q12: u16,
 }
 
 impl<'a, const BEAMS: usize> Costs<'a, BEAMS> {
-    fn of(calibration: &'a Calibration<BEAMS>) -> Self {
+    fn of(calibration: &'a Calibration<BEAMS>, turn_q12: u16) -> Self {
         let mut costs = Self {
             calibration,
             means: [[0; BEAMS]; BEAMS],
+            turn_q12,
         };
         for before in 0..BEAMS {
             for after in 0..BEAMS {
@@ -70,8 +98,8 @@ impl<'a, const BEAMS: usize> Costs<'a, BEAMS> {
         costs
     }
 
-    /// Mean of some bins, weighted by their comparisons; `start` is a sum and a weight to begin
-    /// with.
+    /// Mean of the bins that were compared, with weights; `start` is a sum and a weight to begin
+    /// with. 16 = 1 of a dissimilarity.
     fn weighted(
         &self,
         pair: (usize, usize),
@@ -82,11 +110,11 @@ impl<'a, const BEAMS: usize> Costs<'a, BEAMS> {
             let (before, after, bin) = place(pair, bin % BINS);
             let row = self.calibration.dissimilarity.get(before);
             let cell = row.and_then(|row| row.get(after)?.get(bin));
-            cell.map_or((sum, weight), |cell| {
-                let count = u32::from(cell.count()).wrapping_mul(share);
-                let part = u32::from(cell.mean()).wrapping_mul(count);
-                (sum.wrapping_add(part), weight.wrapping_add(count))
-            })
+            cell.and_then(|cell| cell.mean())
+                .map_or((sum, weight), |mean| {
+                    let part = u32::from(mean).wrapping_mul(16).wrapping_mul(share);
+                    (sum.wrapping_add(part), weight.wrapping_add(share))
+                })
         });
         sum.checked_div(weight).unwrap_or(0) as u16
     }
@@ -99,17 +127,21 @@ impl<'a, const BEAMS: usize> Costs<'a, BEAMS> {
             .into_iter()
             .enumerate()
             .map(|(offset, share)| ((bin + BINS + offset - 2) % BINS, share));
-        let start = (u32::from(mean).wrapping_mul(6), 6);
+        let start = (u32::from(mean), 1);
         i32::from(self.weighted((before, after), bins, start)) - i32::from(mean)
     }
 
-    /// Of two sensors whose bearings differ by a turn.
-    fn between(&self, pair: (usize, usize), turn: Bearing) -> i32 {
+    /// Of two sensors whose bearings differ by a turn; `None` for one that the base does not reach
+    /// with half a turn of its own.
+    fn between(&self, pair: (usize, usize), turn: Bearing) -> Option<i32> {
+        let told = i32::from(turn.as_signed_turns()) * i32::from(ONE_Q12)
+            / i32::from(self.turn_q12.max(1));
+        let told = i16::try_from(told).ok()?;
         // Bins have their values in their middles.
-        let position = turn.as_turns().wrapping_sub(1 << 9);
+        let position = (told as u16).wrapping_sub(1 << 9);
         let (bin, within) = (usize::from(position >> 10), i32::from(position & 1_023));
         let (low, high) = (self.smoothed(pair, bin), self.smoothed(pair, bin + 1));
-        low + (((high - low) * within) >> 10)
+        Some(low + (((high - low) * within) >> 10))
     }
 
     /// Of a sensor with this bearing and all others that have one.
@@ -119,10 +151,8 @@ impl<'a, const BEAMS: usize> Costs<'a, BEAMS> {
         others.fold(0, |sum, (other, known)| {
             // At a heading h sensor i looks along h + b_i; after a turn φ sensor j looks there if
             // b_i = b_j + φ.
-            let cost = known.map_or(0, |known| {
-                self.between((sensor, other), bearing.minus(known))
-            });
-            sum.saturating_add(cost)
+            let cost = known.and_then(|known| self.between((sensor, other), bearing.minus(known)));
+            sum.saturating_add(cost.unwrap_or(0))
         })
     }
 
@@ -169,6 +199,24 @@ impl<'a, const BEAMS: usize> Costs<'a, BEAMS> {
         bearings
     }
 
+    /// Improves the bearings of all sensors; with what they then cost.
+    fn swept(
+        &self,
+        alive: Mask,
+        mut bearings: [Option<Bearing>; BEAMS],
+    ) -> (i32, [Option<Bearing>; BEAMS]) {
+        for _ in 0..SWEEPS {
+            for sensor in alive.indices(BEAMS) {
+                self.improve(&mut bearings, sensor);
+            }
+        }
+        let total = alive.indices(BEAMS).fold(0_i32, |sum, sensor| {
+            let own = bearings.get(sensor).copied().flatten();
+            sum.saturating_add(own.map_or(0, |own| self.at(&bearings, sensor, own)))
+        });
+        (total, bearings)
+    }
+
     /// Gives a sensor its best bearing, the others as they are.
     fn improve(&self, bearings: &mut [Option<Bearing>; BEAMS], sensor: usize) {
         let (_, bearing) = self.best(bearings, sensor, 8 * BINS);
@@ -178,10 +226,11 @@ impl<'a, const BEAMS: usize> Costs<'a, BEAMS> {
     }
 }
 
-/// By how much all bearings are to be turned so that the body's front is at 0. Along a straight
-/// move of l a range changes by −l cos b: least squares for the cosine and sine of the turn, where
-/// what fits badly counts less from round to round.
-fn ahead<const BEAMS: usize>(slopes: &[Slope], bearings: &[Option<Bearing>; BEAMS]) -> Bearing {
+/// By how much all bearings are to be turned so that the body's front is at 0, as a vector whose
+/// length is the true length of what the base takes for 1. Along a straight move of l a range
+/// changes by −l cos b: least squares for the cosine and sine of the turn, where what fits badly
+/// counts less from round to round.
+fn ahead<const BEAMS: usize>(slopes: &[Slope], bearings: &[Option<Bearing>; BEAMS]) -> (f32, f32) {
     let (mut x, mut y) = (0.0_f32, 0.0_f32);
     for fit in 0..FITS {
         let (mut xx, mut xy, mut yy, mut xr, mut yr) =
@@ -191,7 +240,7 @@ fn ahead<const BEAMS: usize>(slopes: &[Slope], bearings: &[Option<Bearing>; BEAM
                 continue;
             };
             let direction = bearing.direction();
-            let ahead = f32::from(slope.ahead_mm) / 1e3;
+            let ahead = f32::from(slope.ahead_4mm) * 4e-3;
             let unit = ahead / 16_384.0;
             let (u, v) = (
                 -unit * f32::from(direction.x_q14),
@@ -212,11 +261,19 @@ fn ahead<const BEAMS: usize>(slopes: &[Slope], bearings: &[Option<Bearing>; BEAM
         }
         let determinant = xx * yy - xy * xy;
         if F32Ext::abs(determinant) < 1e-9 {
-            return Bearing::ZERO;
+            return (1.0, 0.0);
         }
         x = (xr * yy - yr * xy) / determinant;
         y = (yr * xx - xr * xy) / determinant;
     }
-    let turns = F32Ext::atan2(y, x) * (32_768.0 / core::f32::consts::PI);
-    Bearing::from_turns(F32Ext::round(turns) as i32 as u16)
+    (x, y)
+}
+
+/// By Newton's method: micromath's root is off by 6 %.
+fn square_root(square: f32) -> f32 {
+    let mut root = F32Ext::sqrt(square).max(1e-6);
+    for _ in 0..2 {
+        root = 0.5 * (root + square / root);
+    }
+    root
 }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::actuation::Actuation;
 use crate::controller::{Event, Motion, Progress};
 use std::vec::Vec;
 
@@ -33,6 +34,8 @@ struct Rig {
     y: f64,
     heading: f64,
     dead: Vec<usize>,
+    /// What the base takes for 4 096 of a length or a turn, and where it takes its front to be.
+    actuation: Actuation,
     moves: u32,
     /// Least distance of the body from a wall of the room.
     least_gap_m: f64,
@@ -47,11 +50,13 @@ impl Rig {
                 longest_mm: 250,
                 margin_mm: 70,
                 speed_mm_s: 250,
+                learns_actuation: false,
             },
             x: 0.0,
             y: 0.0,
             heading: 0.4,
             dead: Vec::new(),
+            actuation: Actuation::EXACT,
             moves: 0,
             least_gap_m: f64::INFINITY,
         }
@@ -78,8 +83,10 @@ impl Rig {
         let gaps = [self.x + 2.1, 3.0 - self.x, self.y + 1.5, 2.2 - self.y];
         let gap_m = gaps.into_iter().fold(f64::INFINITY, f64::min) - FACE_M;
         self.least_gap_m = self.least_gap_m.min(gap_m);
-        let moved = Displacement::saturating(libm::rint(ahead_m * 1e3) as i32, 0);
-        let turned = Bearing::from_turns((turned.to_degrees() / 360.0 * 65_536.0) as i32 as u16);
+        let told_mm = ahead_m * 1e3 * 4_096.0 / f64::from(self.actuation.length_q12);
+        let moved = Displacement::along(self.actuation.front, libm::rint(told_mm) as i32);
+        let told = turned * 4_096.0 / f64::from(self.actuation.turn_q12);
+        let turned = Bearing::from_turns((told.to_degrees() / 360.0 * 65_536.0) as i32 as u16);
         let event: Event<16> = motion.report(moved, turned, progress);
         assert_eq!(self.babble.handle(&self.limits, &event), None);
     }
@@ -88,15 +95,19 @@ impl Rig {
     fn run(&mut self) {
         while let Some(motion) = self.listen() {
             self.moves += 1;
-            let bearing = motion.displacement.bearing().as_signed_turns();
-            let mut left = f64::from(bearing) * core::f64::consts::PI / 32_768.0;
+            let told = motion.displacement.bearing().minus(self.actuation.front);
+            let turn = f64::from(self.actuation.turn_q12) / 4_096.0;
+            let mut left =
+                turn * f64::from(told.as_signed_turns()) * core::f64::consts::PI / 32_768.0;
             while left.abs() > 1e-9 {
                 let turn = left.clamp(-0.26, 0.26);
                 self.report(motion, 0.0, turn, Progress::Steering);
                 left -= turn;
                 assert_eq!(self.listen(), None);
             }
-            let length = f64::from(motion.displacement.length_mm()) / 1e3;
+            let length = f64::from(self.actuation.length_q12) / 4_096.0
+                * f64::from(motion.displacement.length_mm())
+                / 1e3;
             self.report(motion, length, 0.0, Progress::Ended);
         }
         assert!(self.babble.is_over());
@@ -104,8 +115,11 @@ impl Rig {
 
     /// Errors of the sensors that work, degrees; the others must be known as dead.
     fn errors(&self) -> Vec<f64> {
-        let solved = self.babble.calibration().solve();
-        let pairs = solved.into_iter().zip(BEARINGS).enumerate();
+        self.errors_of(&self.babble.calibration().solve())
+    }
+
+    fn errors_of(&self, solved: &[Option<Bearing>; 8]) -> Vec<f64> {
+        let pairs = solved.iter().zip(BEARINGS).enumerate();
         let mut errors = Vec::new();
         for (sensor, (bearing, exact)) in pairs {
             assert_eq!(bearing.is_none(), self.dead.contains(&sensor), "{sensor}");
@@ -129,7 +143,7 @@ fn a_body_learns_where_its_sensors_look() {
         let errors = rig.errors();
         assert!(errors[4] <= 7.0, "{seed}: {errors:?}");
         // Relative to each other they are known better than to the body's front.
-        assert!(errors[7] - errors[0] <= 3.0, "{seed}: {errors:?}");
+        assert!(errors[7] - errors[0] <= 4.0, "{seed}: {errors:?}");
     }
 }
 
@@ -140,6 +154,31 @@ fn dead_sensors_are_found_and_the_others_learned() {
     rig.run();
     let errors = rig.errors();
     assert!(errors[3] <= 7.0, "{errors:?}");
+}
+
+/// The base goes ahead along 120° of its own frame, 1.25 times as far and turns 0.85 times as far
+/// as it thinks.
+#[test]
+fn what_a_wrong_base_does_is_learned_with_the_bearings() {
+    for seed in 1..=5 {
+        let mut rig = Rig::new(60, seed);
+        rig.actuation = Actuation {
+            front: Bearing::from_turns(21_845),
+            length_q12: 5_120,
+            turn_q12: 3_482,
+        };
+        rig.limits.learns_actuation = true;
+        rig.run();
+        let learned = rig.babble.calibration().solve_all();
+        let front = learned.actuation.front.minus(rig.actuation.front);
+        assert!(front.as_signed_turns().abs() < 200, "{seed}: {front:?}");
+        let turn = f64::from(learned.actuation.turn_q12) / 3_482.0;
+        assert!((turn - 1.0).abs() < 0.02, "{seed}: {turn}");
+        let length = f64::from(learned.actuation.length_q12) / 5_120.0;
+        assert!((length - 1.0).abs() < 0.05, "{seed}: {length}");
+        let errors = rig.errors_of(&learned.bearings);
+        assert!(errors[4] <= 9.0, "{seed}: {errors:?}");
+    }
 }
 
 #[test]
@@ -172,18 +211,18 @@ fn a_turn_back_is_a_turn_on_of_the_pair_exchanged() {
 #[test]
 fn averages_keep_their_bits_and_forget() {
     let mut average = Dissimilarity::NONE;
+    assert_eq!(average.mean(), None);
     average.learn(100);
-    assert_eq!((average.mean(), average.count()), (800, 1));
-    average.learn(i16::MAX);
-    assert_eq!((average.mean(), average.count()), (2_444, 2));
+    assert_eq!(average.mean(), Some(50));
+    average.learn(u16::MAX);
+    assert_eq!(average.mean(), Some(64));
     for _ in 0..200 {
         average.learn(0);
     }
-    assert_eq!(average.count(), 15);
-    assert!(average.mean() < 8, "{}", average.mean());
+    assert!(average.mean() < Some(8), "{average:?}");
 }
 
 #[test]
-fn what_is_learned_of_sixteen_sensors_takes_21_kilobytes() {
-    assert!(size_of::<Calibration<16>>() <= 21_500);
+fn what_is_learned_of_sixteen_sensors_takes_12_kilobytes() {
+    assert!(size_of::<Calibration<16>>() <= 12_100);
 }

@@ -42,9 +42,10 @@ where
         self.turret.glances += 1;
         self.turret.glance_since = Some(self.at);
         self.turret.fresh = Mask::NONE;
+        let to_the_left = Displacement::along(Bearing::of_place(1, 4), GLANCE_MM);
         Some(Motion {
             id: self.turret.last_motion_id,
-            displacement: Displacement::along(Bearing::of_place(1, 4), GLANCE_MM),
+            displacement: self.body.actuation.command(to_the_left),
             speed_mm_s: self.config.robot.speed_mm_s,
         })
     }

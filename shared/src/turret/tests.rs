@@ -25,6 +25,7 @@ fn ring_body(guard_mm: Option<u16>) -> BodySpec<16> {
     BodySpec {
         mounts,
         enabled: Mask::ALL,
+        actuation: Actuation::EXACT,
         points: PointLimits::NOMAD,
         silence_mm: None,
         most_unseen: 16,

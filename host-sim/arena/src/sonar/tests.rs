@@ -1,3 +1,4 @@
+use super::disturbance::noisy_inches;
 use super::*;
 use crate::world::Shape;
 use core::f64::consts::PI;

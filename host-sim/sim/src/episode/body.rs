@@ -8,6 +8,7 @@ mod odometer;
 mod on_body;
 mod step_result;
 mod units;
+mod wrong_base;
 
 pub use step_result::{Collision, Moved, StepResult};
 pub use units::milliseconds;
@@ -27,6 +28,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 use step_result::collision;
 use units::meters;
+use wrong_base::WrongBase;
 
 /// A robot in a world.
 pub struct Body<'w> {
@@ -45,6 +47,7 @@ pub struct Body<'w> {
     ranges_m: [Option<f64>; 16],
     motion: Motion,
     odometer: Odometer,
+    wrong_base: WrongBase,
 }
 
 impl<'w> Body<'w> {
@@ -84,6 +87,7 @@ impl<'w> Body<'w> {
                 speed_mm_s: 0,
             },
             odometer: Odometer::new(start),
+            wrong_base: WrongBase::default(),
         }
     }
 
@@ -198,7 +202,7 @@ impl<'w> Body<'w> {
     /// Commands a motion, which replaces the one under way.
     fn begin(&mut self, motion: Motion) {
         self.motion = motion;
-        let [dx_m, dy_m] = meters(motion.displacement);
+        let [dx_m, dy_m] = self.wrong_base.executed(motion.displacement);
         let speed_m_s = f64::from(motion.speed_mm_s) / 1e3;
         self.base.command(
             BaseMotion {
@@ -226,6 +230,7 @@ impl<'w> Body<'w> {
     fn report(&mut self, pilot: &mut impl Pilot, from: Point, done: &Executed) -> Moved {
         let moved = self.odometer.moved(self.base.odometry());
         let turned = self.odometer.turned(self.base.pose().heading);
+        let (moved, turned) = self.wrong_base.reported(moved, turned);
         let progress = match (done.touched, done.moving) {
             (true, _) => Progress::Touched,
             (false, true) if self.base.is_steering() => Progress::Steering,

@@ -1,6 +1,7 @@
 //! A robot as the controller is told of it: its body, and a configuration in its size.
 
 use super::{AnyRobot, MAX_BEAMS, bearing};
+use amp::actuation::Actuation;
 use amp::config::{Config, Exploration, Learning};
 use amp::fixed::Mask;
 use amp::points::PointLimits;
@@ -28,6 +29,7 @@ impl AnyRobot {
         BodySpec {
             mounts,
             enabled,
+            actuation: Actuation::EXACT,
             points: PointLimits {
                 face_radius_mm: self.scaled_mm(nomad.face_radius_mm),
                 keep_mm: self.scaled_way_mm(nomad.keep_mm),

@@ -1,6 +1,6 @@
 //! Robots whose sensors stand on the body: they turn, listen on the way, and go.
 
-use super::{Body, Moved, Odometer, StepResult, meters};
+use super::{Body, Moved, Odometer, StepResult, WrongBase};
 use crate::pilot::{AgedEcho, Pilot};
 use crate::robot::AnyRobot;
 use amp::controller::{Event, Motion, Progress};
@@ -41,6 +41,7 @@ impl<'w> Body<'w> {
             ring,
             noise,
             odometer: Odometer::new(start),
+            wrong_base: WrongBase::new(robot.miswiring()),
             ..Self::within(Cow::Borrowed(world), sonar, turret, noise_seed)
         }
     }
@@ -92,15 +93,16 @@ impl<'w> Body<'w> {
     /// Notes a motion; returns its displacement in the world, m.
     fn begin_exactly(&mut self, motion: Motion) -> Point {
         self.motion = motion;
-        let [x, y] = meters(motion.displacement);
+        let [x, y] = self.wrong_base.executed(motion.displacement);
         Point::new(x, y).turned(Point::unit(self.base.pose().heading))
     }
 
     fn report_turn(&mut self, pilot: &mut impl Pilot) {
         let turned = self.odometer.turned(self.base.pose().heading);
+        let (moved, turned) = self.wrong_base.reported(Displacement::ZERO, turned);
         let event = Event::Odometry {
             motion: self.motion.id,
-            moved: Displacement::ZERO,
+            moved,
             turned,
             progress: Progress::Steering,
         };

@@ -1,0 +1,104 @@
+//! The robot and what its controller is told of it, as named on the command line.
+
+use super::setup::parsed;
+use arena::robot_model::RobotModel;
+use clap::Args;
+use files::error::BadInput;
+use sim::robot::{Actuators, AnyRobot, Geometry, Miswiring, Ranges};
+
+/// The robot with a ring on a turret.
+const NOMAD: &str = "nomad200";
+
+/// Flags for the robot.
+#[derive(Debug, Clone, Args)]
+pub(super) struct RobotArgs {
+    /// Robot: a built-in name (nomad200, p3dx, p3dx-front, p3at, epuck2, thymio2, khepera,
+    /// crazyflie, turtlebot3, lidar16, one-beam) or a .toml FILE (see docs/robots.md); with
+    /// --shield on, a guard keeps other robots than nomad200 from everything they have seen
+    #[arg(long, value_name = "NAME|FILE", default_value = NOMAD)]
+    robot: String,
+    /// What another robot than nomad200 has: everything its own, or its layout and drive on the
+    /// Nomad's body, with the Nomad's sonars
+    #[arg(long, value_name = "own|nomad", default_value = "own", value_parser = parsed::<Ranges>)]
+    ranges: Ranges,
+    #[command(flatten)]
+    told: ToldArgs,
+}
+
+/// What the controller of another robot than the Nomad is told.
+#[derive(Debug, Clone, Args)]
+pub(super) struct ToldArgs {
+    /// Whether another robot than nomad200 is told where its sensors look, or learns that from its
+    /// random moves
+    #[arg(long, value_name = "known|learned", default_value = "known", value_parser = parsed::<Geometry>)]
+    geometry: Geometry,
+    /// Whether it is told what its commands do and its odometry means, or learns that as well
+    #[arg(long, value_name = "known|learned", default_value = "known", value_parser = parsed::<Actuators>)]
+    actuators: Actuators,
+    /// Permute the wires of its sensors; the controller is not told
+    #[arg(long, value_name = "SEED")]
+    scramble: Option<u64>,
+    /// Turn, mirror and scale its commands and its odometry; the controller is not told
+    #[arg(long, value_name = "SEED")]
+    miswire: Option<u64>,
+}
+
+impl RobotArgs {
+    /// Its name or file.
+    pub(super) fn name(&self) -> &str {
+        &self.robot
+    }
+
+    /// The robot, with a guard or without, for so many random moves; `None` = the Nomad as it is.
+    ///
+    /// # Errors
+    /// An unknown robot or a bad file; what only other robots have; too few random moves.
+    pub(super) fn find(&self, has_guard: bool, moves: u16) -> Result<Option<AnyRobot>, BadInput> {
+        if self.robot == NOMAD && self.ranges == Ranges::Own {
+            return match self.told.first_used() {
+                None => Ok(None),
+                Some(flag) => Err(BadInput::new(format!(
+                    "--{flag}: only with another robot than {NOMAD}"
+                ))),
+            };
+        }
+        let robot = AnyRobot::new(RobotModel::find(&self.robot)?, self.ranges, has_guard)?;
+        self.told.apply(robot, moves).map(Some)
+    }
+}
+
+impl ToldArgs {
+    /// The geometry.
+    pub(super) fn geometry(&self) -> Geometry {
+        self.geometry
+    }
+
+    /// The robot, wired and told as the flags say, for so many random moves.
+    ///
+    /// # Errors
+    /// What cannot be learned; too few random moves.
+    pub(super) fn apply(&self, robot: AnyRobot, moves: u16) -> Result<AnyRobot, BadInput> {
+        let mut robot = robot
+            .with_geometry(self.geometry)?
+            .with_actuators(self.actuators)?;
+        robot.check_moves(moves)?;
+        if let Some(seed) = self.scramble {
+            robot = robot.scrambled(seed);
+        }
+        if let Some(seed) = self.miswire {
+            robot = robot.miswired(Miswiring::of_seed(seed));
+        }
+        Ok(robot)
+    }
+
+    fn first_used(&self) -> Option<&'static str> {
+        let flags = [
+            ("scramble", self.scramble.is_some()),
+            ("miswire", self.miswire.is_some()),
+            ("geometry", self.geometry == Geometry::Learned),
+            ("actuators", self.actuators == Actuators::Learned),
+        ];
+        let used = flags.into_iter().find(|(_, is_used)| *is_used);
+        used.map(|(flag, _)| flag)
+    }
+}
