@@ -1,0 +1,106 @@
+//! What a robot has of its own, and what its controller is told of it.
+
+use arena::noise::Noise;
+use files::error::BadInput;
+use std::f64::consts::TAU;
+use std::str::FromStr;
+
+/// What a robot is taken from its model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Ranges {
+    /// Everything: body, speeds, and the range and cone of its sensors.
+    #[default]
+    Own,
+    /// Only where its sensors look and how it drives; body, speeds, and what the sensors tell are
+    /// the Nomad's.
+    Nomad,
+}
+
+impl FromStr for Ranges {
+    type Err = BadInput;
+
+    fn from_str(text: &str) -> Result<Self, BadInput> {
+        match text {
+            "own" => Ok(Self::Own),
+            "nomad" => Ok(Self::Nomad),
+            _ => Err(BadInput::unknown("ranges", text, &["own", "nomad"])),
+        }
+    }
+}
+
+/// Whether the controller is told where its sensors look.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Geometry {
+    /// It is told.
+    #[default]
+    Known,
+    /// It learns that from its random moves.
+    Learned,
+}
+
+impl FromStr for Geometry {
+    type Err = BadInput;
+
+    fn from_str(text: &str) -> Result<Self, BadInput> {
+        match text {
+            "known" => Ok(Self::Known),
+            "learned" => Ok(Self::Learned),
+            _ => Err(BadInput::unknown("geometry", text, &["known", "learned"])),
+        }
+    }
+}
+
+/// Whether the controller is told what its commands do and what its odometry means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Actuators {
+    /// They mean what they say.
+    #[default]
+    Known,
+    /// It learns that from its random moves.
+    Learned,
+}
+
+impl FromStr for Actuators {
+    type Err = BadInput;
+
+    fn from_str(text: &str) -> Result<Self, BadInput> {
+        match text {
+            "known" => Ok(Self::Known),
+            "learned" => Ok(Self::Learned),
+            _ => Err(BadInput::unknown("actuators", text, &["known", "learned"])),
+        }
+    }
+}
+
+/// A base whose commands and odometry do not mean what they say.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Miswiring {
+    /// Where the base goes ahead, in the frame of its commands, rad.
+    pub front_rad: f64,
+    /// Left and right are exchanged.
+    pub is_mirrored: bool,
+    /// True length of what the base takes for 1.
+    pub length: f64,
+    /// True turn of what the base takes for 1.
+    pub turn: f64,
+}
+
+impl Miswiring {
+    /// Drawn from a seed: any front and side, lengths from 0.7 to 1.4, turns from 0.8 to 1.25.
+    #[must_use]
+    pub fn of_seed(seed: u64) -> Self {
+        let mut noise = Noise::new(seed);
+        Self {
+            front_rad: noise.uniform_in(0.0, TAU),
+            is_mirrored: noise.chance(0.5),
+            length: noise.uniform_in(0.7, 1.4),
+            turn: noise.uniform_in(0.8, 1.25),
+        }
+    }
+
+    /// 1, or −1 where left and right are exchanged.
+    #[must_use]
+    pub fn side(&self) -> f64 {
+        if self.is_mirrored { -1.0 } else { 1.0 }
+    }
+}
