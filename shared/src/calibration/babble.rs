@@ -23,8 +23,9 @@ pub struct BabbleLimits {
     pub learns_actuation: bool,
 }
 
-/// Quarters of a turn that are once around, even for a base that turns less far than it thinks.
-const QUARTERS: u16 = 6;
+/// Parts of a turn that is once around even for a base that turns less far than it thinks: 581°.
+/// Equal parts would have the body listen at the same headings again and again.
+const PARTS: [u16; 7] = [9_102, 11_105, 13_107, 15_110, 17_112, 19_115, 21_117];
 /// A base turns only to where it goes: as far as it has to go for that, millimeters.
 const TURNING_MM: i32 = 2;
 /// Shortest move, millimeters: enough to make the base turn.
@@ -136,13 +137,15 @@ impl<const BEAMS: usize> Babble<BEAMS> {
     }
 
     fn next_move(&mut self, limits: &BabbleLimits) -> Displacement {
-        if !limits.learns_actuation || !(2..2 + QUARTERS).contains(&self.moves_made) {
+        let part = usize::from(self.moves_made).checked_sub(2);
+        let part = part.and_then(|part| PARTS.get(part));
+        let Some(part) = part.filter(|_| limits.learns_actuation) else {
             return self.random_move(limits);
-        }
+        };
         if self.moves_made == 2 {
             self.calibration.begin_place();
         }
-        let left = self.calibration.front().plus(Bearing::of_place(1, 4));
+        let left = self.calibration.front().plus(Bearing::from_turns(*part));
         Displacement::along(left, TURNING_MM)
     }
 

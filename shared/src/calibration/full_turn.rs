@@ -2,6 +2,7 @@
 //! they read at first.
 
 use crate::actuation::ONE_Q12;
+use micromath::F32Ext;
 
 /// Turns from here on are compared, 1/1 024 turn: 240°.
 const LEAST: i16 = 683;
@@ -36,6 +37,12 @@ impl FullTurn {
         }
     }
 
+    /// Comparisons in some bins.
+    fn total(&self, bins: core::ops::Range<usize>) -> f32 {
+        let counts = self.counts.get(bins).unwrap_or_default();
+        counts.iter().map(|count| f32::from(*count)).sum()
+    }
+
     /// True turn of what the base takes for one of 4 096: the one by which it takes itself to have
     /// turned when all is as before. 4 096 if it has not turned so far.
     pub(super) fn turn_q12(&self) -> u16 {
@@ -43,11 +50,14 @@ impl FullTurn {
             let (sum, count) = (*self.sums.get(bin)?, *self.counts.get(bin)?);
             (count > 0).then(|| sum as f32 / f32::from(count))
         };
-        // The least of parabolas over seven bins each.
+        let (sum, count) = (self.sums.iter().sum::<u32>(), self.total(0..BINS));
+        let average = sum as f32 / count.max(1.0);
+        // The least of parabolas over seven bins each; few comparisons are trusted less.
         let mut best: Option<(f32, f32)> = None;
         for middle in 3..BINS.saturating_sub(3) {
             let near = (0..7).filter_map(|i| Some((i as f32 - 3.0, mean(middle + i - 3)?)));
-            if let Some((at, least)) = parabola(near)
+            let doubt = average * F32Ext::invsqrt(self.total(middle - 3..middle + 4).max(1.0));
+            if let Some((at, least)) = parabola(near).map(|(at, least)| (at, least + doubt))
                 && best.is_none_or(|(_, before)| least < before)
             {
                 best = Some((middle as f32 + at, least));
@@ -61,7 +71,7 @@ impl FullTurn {
 }
 
 /// Where a parabola through points around 0 has its least value, and that; `None` if it has none
-/// within 1 of the middle or there are fewer than five points.
+/// within 1 of the middle or there are fewer than three points.
 fn parabola(points: impl Iterator<Item = (f32, f32)>) -> Option<(f32, f32)> {
     let mut s = [0.0_f32; 5];
     let mut r = [0.0_f32; 3];
@@ -83,7 +93,7 @@ fn parabola(points: impl Iterator<Item = (f32, f32)>) -> Option<(f32, f32)> {
         a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
     };
     let whole = det([[s0, s1, s2], [s1, s2, s3], [s2, s3, s4]]);
-    if s0 < 5.0 || whole <= 0.0 {
+    if s0 < 3.0 || whole <= 0.0 {
         return None;
     }
     let c = det([[r0, s1, s2], [r1, s2, s3], [r2, s3, s4]]) / whole;
