@@ -8,7 +8,7 @@ use arena::world::World;
 use rayon::prelude::*;
 use sim::behavior::Behavior;
 use sim::episode::{Setup, run};
-use sim::robot::{AnyRobot, Geometry, Ranges};
+use sim::robot::{AnyRobot, Origin, Ranges};
 
 /// Rooms that were not used for tuning.
 const FIRST: u64 = 10_000;
@@ -88,7 +88,7 @@ fn with_noise_and_a_guard_they_touch_nothing_either() {
 #[test]
 fn a_robot_that_learned_where_its_sensors_look_touches_nothing() {
     let robot = robot("p3dx", false).scrambled(1);
-    let robot = robot.with_geometry(Geometry::Learned).expect("it turns");
+    let robot = robot.with_geometry(Origin::Learned).expect("it turns");
     let driven = drive(&robot, SonarModel::Ideal);
     assert_eq!(driven.contacts, 0, "{driven:?}");
     assert!(driven.distance_m > 1_500.0, "{driven:?}");

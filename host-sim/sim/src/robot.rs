@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 mod for_controller;
 mod told;
 
-pub use told::{Actuators, Geometry, Miswiring, Ranges};
+pub use told::{Miswiring, Origin, Ranges};
 
 /// Most sensors of a simulated robot.
 pub const MAX_BEAMS: usize = 16;
@@ -33,8 +33,8 @@ pub struct AnyRobot {
     /// Which sensor is wired to each input of the controller.
     wires: Vec<usize>,
     miswiring: Option<Miswiring>,
-    geometry: Geometry,
-    actuators: Actuators,
+    geometry: Origin,
+    actuators: Origin,
 }
 
 /// Distance that the guard keeps, as a share of the body's radius: 90 mm for the Nomad.
@@ -78,8 +78,8 @@ impl AnyRobot {
             guard,
             wires: (0..count).collect(),
             miswiring: None,
-            geometry: Geometry::Known,
-            actuators: Actuators::Known,
+            geometry: Origin::Known,
+            actuators: Origin::Known,
         })
     }
 
@@ -97,8 +97,8 @@ impl AnyRobot {
     ///
     /// # Errors
     /// A geometry to be learned by a robot that does not turn: sensors are told apart by turning.
-    pub fn with_geometry(mut self, geometry: Geometry) -> Result<Self, BadInput> {
-        if geometry == Geometry::Learned && !self.turns() {
+    pub fn with_geometry(mut self, geometry: Origin) -> Result<Self, BadInput> {
+        if geometry == Origin::Learned && !self.turns() {
             return Err(BadInput::new(format!(
                 "robot \"{}\": its sensors do not turn; learning where they look needs that",
                 self.model.name
@@ -127,8 +127,8 @@ impl AnyRobot {
     /// # Errors
     /// Actuators to be learned with a geometry that is known: what is left and what is right, and
     /// which way is ahead, is learned of both together.
-    pub fn with_actuators(mut self, actuators: Actuators) -> Result<Self, BadInput> {
-        if actuators == Actuators::Learned && self.geometry == Geometry::Known {
+    pub fn with_actuators(mut self, actuators: Origin) -> Result<Self, BadInput> {
+        if actuators == Origin::Learned && self.geometry == Origin::Known {
             return Err(BadInput::new(
                 "--actuators learned: only with --geometry learned",
             ));
@@ -139,13 +139,13 @@ impl AnyRobot {
 
     /// Whether the controller is told what its commands do.
     #[must_use]
-    pub fn actuators(&self) -> Actuators {
+    pub fn actuators(&self) -> Origin {
         self.actuators
     }
 
     /// Whether the controller is told where its sensors look.
     #[must_use]
-    pub fn geometry(&self) -> Geometry {
+    pub fn geometry(&self) -> Origin {
         self.geometry
     }
 
@@ -154,7 +154,7 @@ impl AnyRobot {
     /// # Errors
     /// Fewer than [`LEAST_MOVES`] for a geometry to be learned.
     pub fn check_moves(&self, moves: u16) -> Result<(), BadInput> {
-        if self.geometry == Geometry::Learned && moves < LEAST_MOVES {
+        if self.geometry == Origin::Learned && moves < LEAST_MOVES {
             return Err(BadInput::new(format!(
                 "--geometry learned: at least {LEAST_MOVES} random moves (--explore), not {moves}"
             )));
@@ -166,8 +166,8 @@ impl AnyRobot {
     #[must_use]
     pub fn calibration_moves(&self, moves: u16) -> u16 {
         match self.geometry {
-            Geometry::Known => 0,
-            Geometry::Learned => {
+            Origin::Known => 0,
+            Origin::Learned => {
                 let share = (u32::from(moves) * CALIBRATION_PERCENT / 100) as u16;
                 share.max(LEAST_CALIBRATION_MOVES)
             }
@@ -186,7 +186,7 @@ impl AnyRobot {
                 .saturating_sub(config.robot.face_radius_mm)
                 + self.scaled_mm(BABBLE_MARGIN_MM),
             speed_mm_s: config.robot.speed_mm_s,
-            learns_actuation: self.actuators == Actuators::Learned,
+            learns_actuation: self.actuators == Origin::Learned,
         }
     }
 
@@ -197,11 +197,11 @@ impl AnyRobot {
             bearings,
             actuation,
         } = match self.actuators {
-            Actuators::Known => LearnedBody {
+            Origin::Known => LearnedBody {
                 bearings: calibration.solve(),
                 actuation: Actuation::EXACT,
             },
-            Actuators::Learned => calibration.solve_all(),
+            Origin::Learned => calibration.solve_all(),
         };
         let mut body = self.body();
         body.actuation = actuation;
@@ -391,6 +391,37 @@ mod tests {
         assert!((10..20).contains(&config.robot.step_mm));
         assert!(config.encoding.near_mm < config.encoding.far_mm);
         assert!(robot.sensing(SonarModel::Ideal).max_range_m < 0.11);
+    }
+
+    /// A Crazyflie sees 4 m of the Nomad's 6.5 with a body of a quarter of its size.
+    #[test]
+    fn a_robot_that_sees_far_takes_longer_steps_than_its_body_asks_for() {
+        let far = robot("crazyflie", Ranges::Own);
+        let config = far.config(Config::recommended());
+        assert_eq!(config.robot.step_mm, 154);
+        assert_eq!(config.robot.body_radius_mm, 70);
+        assert!((170..200).contains(&far.body().points.here_mm));
+    }
+
+    #[test]
+    fn silence_is_no_failure_where_it_means_free_space() {
+        for (name, is_free) in [("thymio2", true), ("crazyflie", true), ("p3dx", false)] {
+            let robot = robot(name, Ranges::Own);
+            assert_eq!(
+                robot.config(Config::recommended()).open_space,
+                is_free,
+                "{name}"
+            );
+            assert_eq!(robot.body().silence_mm.is_some(), is_free, "{name}");
+        }
+    }
+
+    #[test]
+    fn a_holonomic_robot_turns_only_to_look_around() {
+        let few = robot("crazyflie", Ranges::Own);
+        assert!(few.turns() && few.body().most_unseen == 4);
+        let many = robot("lidar16", Ranges::Own);
+        assert!(!many.turns() && many.body().most_unseen == u8::MAX);
     }
 
     #[test]

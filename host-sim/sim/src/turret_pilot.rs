@@ -160,7 +160,7 @@ impl InspectableController for TurretController {
 mod tests {
     use crate::behavior::Behavior;
     use crate::episode::{Episode, Setup, run};
-    use crate::robot::{Actuators, AnyRobot, Geometry, Miswiring, Ranges};
+    use crate::robot::{AnyRobot, Miswiring, Origin, Ranges};
     use amp::config::Config;
     use arena::robot::TurretMode;
     use arena::robot_model::RobotModel;
@@ -170,7 +170,7 @@ mod tests {
     fn scrambled(name: &str) -> AnyRobot {
         let model = RobotModel::builtin(name).expect("built in");
         let robot = AnyRobot::new(model, Ranges::Nomad, false).expect("it fits");
-        let robot = robot.scrambled(1).with_geometry(Geometry::Learned);
+        let robot = robot.scrambled(1).with_geometry(Origin::Learned);
         robot.expect("it turns")
     }
 
@@ -220,7 +220,7 @@ mod tests {
             });
             reports.sum()
         };
-        assert_eq!(contacts(Actuators::Learned), 0);
-        assert!(contacts(Actuators::Known) > 10);
+        assert_eq!(contacts(Origin::Learned), 0);
+        assert!(contacts(Origin::Known) > 10);
     }
 }

@@ -11,7 +11,7 @@ use clap::{Args, ValueEnum};
 use experiments::bodies::{BodyOutcome, BodyTrial, Control, Generator, measure, measure_control};
 use files::error::BadInput;
 use sim::pilot::MAX_MOVES;
-use sim::robot::{AnyRobot, Geometry, Ranges};
+use sim::robot::{AnyRobot, Origin, Ranges};
 use std::io::Write;
 
 /// Flags of the `bodies` command.
@@ -112,7 +112,7 @@ const HEADS: [&str; 9] = [
 /// An unknown robot or a bad file.
 pub fn bodies(args: &BodiesArgs, out: &mut impl Write) -> Result<(), CliError> {
     let control = args.method.control();
-    if control.is_some() && args.told.geometry() == Geometry::Learned {
+    if control.is_some() && args.told.geometry() == Origin::Learned {
         return Err(BadInput::new(
             "--geometry learned: only with the maps, not with another --method",
         )

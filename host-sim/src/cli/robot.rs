@@ -4,7 +4,7 @@ use super::setup::parsed;
 use arena::robot_model::RobotModel;
 use clap::Args;
 use files::error::BadInput;
-use sim::robot::{Actuators, AnyRobot, Geometry, Miswiring, Ranges};
+use sim::robot::{AnyRobot, Miswiring, Origin, Ranges};
 
 /// The robot with a ring on a turret.
 const NOMAD: &str = "nomad200";
@@ -30,11 +30,11 @@ pub(super) struct RobotArgs {
 pub(super) struct ToldArgs {
     /// Whether another robot than nomad200 is told where its sensors look, or learns that from its
     /// random moves
-    #[arg(long, value_name = "known|learned", default_value = "known", value_parser = parsed::<Geometry>)]
-    geometry: Geometry,
+    #[arg(long, value_name = "known|learned", default_value = "known", value_parser = parsed::<Origin>)]
+    geometry: Origin,
     /// Whether it is told what its commands do and its odometry means, or learns that as well
-    #[arg(long, value_name = "known|learned", default_value = "known", value_parser = parsed::<Actuators>)]
-    actuators: Actuators,
+    #[arg(long, value_name = "known|learned", default_value = "known", value_parser = parsed::<Origin>)]
+    actuators: Origin,
     /// Permute the wires of its sensors; the controller is not told
     #[arg(long, value_name = "SEED")]
     scramble: Option<u64>,
@@ -69,7 +69,7 @@ impl RobotArgs {
 
 impl ToldArgs {
     /// The geometry.
-    pub(super) fn geometry(&self) -> Geometry {
+    pub(super) fn geometry(&self) -> Origin {
         self.geometry
     }
 
@@ -95,8 +95,8 @@ impl ToldArgs {
         let flags = [
             ("scramble", self.scramble.is_some()),
             ("miswire", self.miswire.is_some()),
-            ("geometry", self.geometry == Geometry::Learned),
-            ("actuators", self.actuators == Actuators::Learned),
+            ("geometry", self.geometry == Origin::Learned),
+            ("actuators", self.actuators == Origin::Learned),
         ];
         let used = flags.into_iter().find(|(_, is_used)| *is_used);
         used.map(|(flag, _)| flag)

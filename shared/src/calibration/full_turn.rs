@@ -2,7 +2,6 @@
 //! they read at first.
 
 use crate::actuation::ONE_Q12;
-use micromath::F32Ext;
 
 /// Turns from here on are compared, 1/1 024 turn: 240°.
 const LEAST: i16 = 683;
@@ -37,12 +36,6 @@ impl FullTurn {
         }
     }
 
-    /// Comparisons in some bins.
-    fn total(&self, bins: core::ops::Range<usize>) -> f32 {
-        let counts = self.counts.get(bins).unwrap_or_default();
-        counts.iter().map(|count| f32::from(*count)).sum()
-    }
-
     /// True turn of what the base takes for one of 4 096: the one by which it takes itself to have
     /// turned when all is as before. 4 096 if it has not turned so far.
     pub(super) fn turn_q12(&self) -> u16 {
@@ -50,14 +43,11 @@ impl FullTurn {
             let (sum, count) = (*self.sums.get(bin)?, *self.counts.get(bin)?);
             (count > 0).then(|| sum as f32 / f32::from(count))
         };
-        let (sum, count) = (self.sums.iter().sum::<u32>(), self.total(0..BINS));
-        let average = sum as f32 / count.max(1.0);
-        // The least of parabolas over seven bins each; few comparisons are trusted less.
+        // The least of parabolas over seven bins each.
         let mut best: Option<(f32, f32)> = None;
         for middle in 3..BINS.saturating_sub(3) {
             let near = (0..7).filter_map(|i| Some((i as f32 - 3.0, mean(middle + i - 3)?)));
-            let doubt = average * F32Ext::invsqrt(self.total(middle - 3..middle + 4).max(1.0));
-            if let Some((at, least)) = parabola(near).map(|(at, least)| (at, least + doubt))
+            if let Some((at, least)) = parabola(near)
                 && best.is_none_or(|(_, before)| least < before)
             {
                 best = Some((middle as f32 + at, least));

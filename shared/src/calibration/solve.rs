@@ -37,12 +37,12 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
     pub fn solve_all(&self) -> LearnedBody<BEAMS> {
         let turn_q12 = self.full_turn.turn_q12();
         let (_, bearings) = self.best_bearings(turn_q12);
-        let (bearings, length) = self.with_front(bearings);
+        let (bearings, length_q12) = self.with_front(bearings);
         LearnedBody {
             bearings,
             actuation: Actuation {
                 front: self.front(),
-                length_q12: F32Ext::round(length.clamp(0.25, 4.0) * f32::from(ONE_Q12)) as u16,
+                length_q12,
                 turn_q12,
             },
         }
@@ -58,13 +58,15 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
         found.fold(none, |best, one| if one.0 < best.0 { one } else { best })
     }
 
-    /// The bearings from the body's front, and the true length of what the base takes for 1.
-    fn with_front(&self, bearings: [Option<Bearing>; BEAMS]) -> ([Option<Bearing>; BEAMS], f32) {
+    /// The bearings from the body's front, and the true length of what the base takes for 4 096.
+    fn with_front(&self, bearings: [Option<Bearing>; BEAMS]) -> ([Option<Bearing>; BEAMS], u16) {
         let (x, y) = ahead(&self.slopes, &bearings);
         let turns = F32Ext::atan2(y, x) * (32_768.0 / core::f32::consts::PI);
         let front = Bearing::from_turns(F32Ext::round(turns) as i32 as u16);
         let from_front = bearings.map(|bearing| bearing.map(|bearing| bearing.plus(front)));
-        (from_front, square_root(x * x + y * y))
+        let square = (x * x + y * y).clamp(0.25 * 0.25, 4.0 * 4.0);
+        let square_q24 = (square * (1 << 24) as f32) as u32;
+        (from_front, crate::fixed::isqrt_u32(square_q24) as u16)
     }
 }
 
@@ -267,13 +269,4 @@ fn ahead<const BEAMS: usize>(slopes: &[Slope], bearings: &[Option<Bearing>; BEAM
         y = (yr * xx - xr * xy) / determinant;
     }
     (x, y)
-}
-
-/// By Newton's method: micromath's root is off by 6 %.
-fn square_root(square: f32) -> f32 {
-    let mut root = F32Ext::sqrt(square).max(1e-6);
-    for _ in 0..2 {
-        root = 0.5 * (root + square / root);
-    }
-    root
 }

@@ -1,6 +1,6 @@
 //! Looking around: a body with few sensors turns on the spot until it has seen enough to decide.
 
-use super::{BodySpec, RingController, Robot, VirtualTurret};
+use super::{RingController, Robot, VirtualTurret};
 use crate::controller::{Motion, Progress};
 use crate::fixed::Mask;
 use crate::units::{Bearing, Displacement, Millis};
@@ -9,13 +9,6 @@ use crate::units::{Bearing, Displacement, Millis};
 const MAX_GLANCES: u8 = 4;
 /// A base turns to where it goes, so a glance is a way to the left, of this length, millimeters.
 const GLANCE_MM: i32 = 2;
-
-impl<const BEAMS: usize> BodySpec<BEAMS> {
-    /// Whether so few of a ring's sectors were seen from here that the robot looks around.
-    fn has_seen_too_little<const SECTORS: usize>(&self, seen: Mask) -> bool {
-        seen.indices(SECTORS).count() + usize::from(self.most_unseen) < SECTORS
-    }
-}
 
 impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
     /// Whether it looks around. A base that takes longer than it may is waited for no more.
@@ -34,7 +27,8 @@ where
     pub(super) fn glance(&mut self) -> Option<Motion> {
         let limits = &self.body.points;
         let seen = self.turret.memory.seen_from_here::<SECTORS>(limits);
-        let is_enough = !self.body.has_seen_too_little::<SECTORS>(seen);
+        let unseen = seen.complement().indices(SECTORS).count();
+        let is_enough = unseen <= usize::from(self.body.most_unseen);
         if is_enough || self.turret.glances >= MAX_GLANCES || !self.controller.awaits_ring() {
             self.turret.glances = 0;
             return None;

@@ -290,20 +290,21 @@ impl Ring {
                 let exact = self.exact_range(world, pose, &transducer, heading);
                 light.reading(exact, &self.config, noise)
             }
-            None => self.sonar_reading(world, pose, sensor, time_s, noise),
+            None => {
+                let echo = self.echo(world, pose, sensor, transducer);
+                self.disturbed(echo, sensor, time_s, noise)
+            }
         }
     }
 
-    fn sonar_reading(
+    /// The reading of a sonar for its first echo.
+    fn disturbed(
         &mut self,
-        world: &World,
-        pose: &Pose,
+        echo: Option<f64>,
         sensor: usize,
         time_s: f64,
         noise: &mut Noise,
     ) -> Option<f64> {
-        let transducer = *self.transducers.get(sensor)?;
-        let echo = self.echo(world, pose, sensor, transducer);
         let echo_or_crosstalk = self.with_crosstalk(echo, time_s, noise);
         if self.dead == Some(sensor) {
             return None;

@@ -10,7 +10,7 @@ use crate::behavior::Behavior;
 use crate::error::EpisodeError;
 use crate::pilot::{InspectableController, LocalController, Pilot};
 use crate::recording::Recording;
-use crate::robot::Geometry;
+use crate::robot::Origin;
 use crate::turret_pilot::TurretController;
 use amp::controller::{Command, Decision, Event};
 use amp::fixed::Weight;
@@ -63,15 +63,15 @@ pub fn run(
         }
         Some(robot) => {
             let mut controller = match robot.geometry() {
-                Geometry::Known => TurretController::new(setup.config.clone(), robot),
-                Geometry::Learned => {
+                Origin::Known => TurretController::new(setup.config.clone(), robot),
+                Origin::Learned => {
                     let moves = setup.calibration_moves();
                     let seed = Seeds::of(setup.seed).exploration.wrapping_add(1);
                     TurretController::babbling(setup.config.clone(), robot, moves, seed)
                 }
             };
             let mut episode = run_with(world, setup, &mut controller, progress)?;
-            if robot.geometry() == Geometry::Learned {
+            if robot.geometry() == Origin::Learned {
                 episode.bearing_errors_deg = robot.bearing_errors_deg(controller.body());
             }
             Ok(episode)

@@ -28,9 +28,9 @@ impl FromStr for Ranges {
     }
 }
 
-/// Whether the controller is told where its sensors look.
+/// Where the controller's knowledge of its body comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Geometry {
+pub enum Origin {
     /// It is told.
     #[default]
     Known,
@@ -38,36 +38,14 @@ pub enum Geometry {
     Learned,
 }
 
-impl FromStr for Geometry {
+impl FromStr for Origin {
     type Err = BadInput;
 
     fn from_str(text: &str) -> Result<Self, BadInput> {
         match text {
             "known" => Ok(Self::Known),
             "learned" => Ok(Self::Learned),
-            _ => Err(BadInput::unknown("geometry", text, &["known", "learned"])),
-        }
-    }
-}
-
-/// Whether the controller is told what its commands do and what its odometry means.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Actuators {
-    /// They mean what they say.
-    #[default]
-    Known,
-    /// It learns that from its random moves.
-    Learned,
-}
-
-impl FromStr for Actuators {
-    type Err = BadInput;
-
-    fn from_str(text: &str) -> Result<Self, BadInput> {
-        match text {
-            "known" => Ok(Self::Known),
-            "learned" => Ok(Self::Learned),
-            _ => Err(BadInput::unknown("actuators", text, &["known", "learned"])),
+            _ => Err(BadInput::unknown("value", text, &["known", "learned"])),
         }
     }
 }

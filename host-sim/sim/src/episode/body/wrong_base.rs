@@ -3,8 +3,7 @@
 use super::units::meters;
 use crate::robot::Miswiring;
 use amp::units::{Bearing, Displacement};
-use arena::world::Point;
-use std::f64::consts::{PI, TAU};
+use arena::world::{Point, wrap_angle};
 
 /// Turns, mirrors and scales what the base is told and what it tells.
 #[derive(Debug, Default)]
@@ -30,7 +29,7 @@ impl WrongBase {
             return [x, y];
         };
         let told = Point::new(x, y);
-        let turn = wrapped(told.angle() - wrong.front_rad);
+        let turn = wrap_angle(told.angle() - wrong.front_rad);
         let way = Point::unit(turn * wrong.turn * wrong.side()) * (told.length() * wrong.length);
         [way.x, way.y]
     }
@@ -60,9 +59,4 @@ fn whole(value: f64, rest: &mut f64) -> i32 {
     let whole = libm::rint(sum);
     *rest = sum - whole;
     whole as i32
-}
-
-/// An angle in [−π, π), rad.
-fn wrapped(angle: f64) -> f64 {
-    angle - TAU * libm::floor((angle + PI) / TAU)
 }
