@@ -6,7 +6,8 @@
 //! Sectors that nobody has seen are masked out. Motions go out in the body's frame.
 //!
 //! A body that turns before it goes listens on the way: if something nearer than thought shows up
-//! where it is about to go, it decides again. A guard ends motions short of any point.
+//! where it is about to go, it decides again. A body with few sensors looks around before it
+//! decides. A guard ends motions short of any point.
 
 use crate::actuation::{Actuation, Odometer};
 use crate::config::Config;

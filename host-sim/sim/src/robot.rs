@@ -137,12 +137,6 @@ impl AnyRobot {
         Ok(self)
     }
 
-    /// Whether the controller is told what its commands do.
-    #[must_use]
-    pub fn actuators(&self) -> Origin {
-        self.actuators
-    }
-
     /// Whether the controller is told where its sensors look.
     #[must_use]
     pub fn geometry(&self) -> Origin {

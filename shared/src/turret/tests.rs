@@ -277,13 +277,19 @@ fn after_a_stop_a_whole_ring_is_heard_again() {
     assert!(rig.hear([Some(900); 16]).is_some());
 }
 
+/// A body with one beam ahead that looks around.
+fn one_beam() -> BodySpec<16> {
+    BodySpec {
+        enabled: Mask::NONE.with(AHEAD),
+        most_unseen: 4,
+        ..ring_body(None)
+    }
+}
+
 /// One beam ahead, and nothing known: turns to the left by quarters show all but the last sectors.
 #[test]
 fn a_robot_with_one_beam_looks_around_before_it_decides() {
-    let mut body = ring_body(None);
-    body.enabled = Mask::NONE.with(AHEAD);
-    body.most_unseen = 4;
-    let mut rig = Rig::new(body);
+    let mut rig = Rig::new(one_beam());
     rig.hear([Some(900); 16]);
     rig.command(Command::Explore { moves: 9, seed: 5 });
     for glance in 0..3 {
@@ -309,9 +315,10 @@ fn a_robot_with_one_beam_looks_around_before_it_decides() {
 
 #[test]
 fn a_robot_that_has_seen_enough_does_not_look_around() {
-    let mut body = ring_body(None);
-    body.most_unseen = 4;
-    let mut rig = Rig::new(body);
+    let mut rig = Rig::new(BodySpec {
+        most_unseen: 4,
+        ..ring_body(None)
+    });
     rig.command(Command::Explore { moves: 9, seed: 5 });
     assert!(rig.hear([Some(900); 16]).is_some());
     assert!(rig.state.is_moving());
@@ -320,10 +327,7 @@ fn a_robot_that_has_seen_enough_does_not_look_around() {
 /// A glance that the base does not end within the time of a half turn stops the robot.
 #[test]
 fn a_base_that_does_not_turn_is_not_waited_for() {
-    let mut body = ring_body(None);
-    body.enabled = Mask::NONE.with(AHEAD);
-    body.most_unseen = 4;
-    let mut rig = Rig::new(body);
+    let mut rig = Rig::new(one_beam());
     rig.command(Command::Explore { moves: 9, seed: 5 });
     let motion = rig.hear([Some(900); 16]).expect("a glance");
     let stopped = (0..100).find_map(|_| {
