@@ -75,7 +75,9 @@ pub struct VirtualTurret<const SECTORS: usize, const POINTS: usize> {
     last_ring: [Option<Range>; SECTORS],
     /// What is left of the motion under way, in the frame of the start.
     motion: Option<Motion>,
-    /// Whether that motion has begun to roll.
+    /// Where that motion was to go at first, in the same frame.
+    course: Bearing,
+    /// Whether it has begun to roll.
     is_rolling: bool,
     /// New decisions in a row.
     replans: u8,
@@ -104,6 +106,7 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
             heard_at: Millis::from_ms(0),
             last_ring: [None; SECTORS],
             motion: None,
+            course: Bearing::ZERO,
             is_rolling: false,
             replans: 0,
             glance_since: None,
@@ -148,6 +151,17 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
                 && now < limits.replan_within_mm
                 && now < before.saturating_sub(limits.replan_nearer_mm)
         })
+    }
+
+    /// What is left of a motion. A base that rolls goes straight on: a few millimeters aside would
+    /// have it stop and turn, and what it has overrun, go back.
+    fn rest_of(&self, motion: Motion) -> Displacement {
+        let Displacement { dx_mm, dy_mm } = motion.displacement;
+        if !self.is_rolling {
+            return motion.displacement;
+        }
+        let ahead_mm = self.course.direction().along(dx_mm.into(), dy_mm.into());
+        Displacement::along(self.course, ahead_mm.max(0))
     }
 
     /// Turns a motion from the frame of the start into the one that the base is to be told.
@@ -327,6 +341,7 @@ where
                 ..wanted
             };
             self.turret.motion = Some(motion);
+            self.turret.course = motion.displacement.bearing();
             self.turret.last_motion_id = motion.id;
             self.turret.is_rolling = false;
             outputs.motion = Some(self.turret.to_base(&self.body.actuation, motion));
@@ -353,7 +368,7 @@ where
         let Some(under_way) = self.turret.motion else {
             return Outputs::NONE;
         };
-        let displacement = self.guarded(under_way.displacement);
+        let displacement = self.guarded(self.turret.rest_of(under_way));
         let (ordered_mm, left_mm) = (under_way.displacement.length_mm(), displacement.length_mm());
         if ordered_mm.saturating_sub(left_mm) <= ROUNDING_MM {
             return Outputs::NONE;

@@ -201,6 +201,31 @@ fn a_motion_under_way_is_shortened_by_what_shows_up() {
     assert!(shorter.displacement.length_mm() < length - 3);
 }
 
+/// Slip has taken it a little aside of where it was sent: it goes straight on, and never back.
+#[test]
+fn a_base_that_rolls_is_shortened_along_its_course() {
+    for (length_share, expected) in [(0.3, 40..140), (1.1, 0..1)] {
+        let mut rig = Rig::new(ring_body(Some(50)));
+        rig.config.exploration.shortest_mm = 200;
+        rig.command(Command::Explore { moves: 9, seed: 4 });
+        let motion = rig.hear([Some(2_000); 16]).expect("a random move");
+        let course = motion.displacement.bearing();
+        let rolled_mm = f64::from(motion.displacement.length_mm()) * length_share;
+        let aside = Displacement::along(course.plus(Bearing::of_place(1, 4)), 12);
+        let moved = Displacement::along(course, rolled_mm as i32).plus(aside);
+        rig.report(motion, moved, 0, Progress::Moving);
+        let ahead = course.plus(Bearing::of_place(1, 32)).as_turns() >> 12;
+        let near = Event::Echo {
+            sensor: ahead as u8,
+            range: Some(Range::from_mm(150)),
+        };
+        let way = rig.handle(near).motion.expect("shortened").displacement;
+        assert!(expected.contains(&way.length_mm()), "{way:?}");
+        let off = way.bearing().minus(course).as_signed_turns();
+        assert!(way == Displacement::ZERO || off.abs() < 300, "{off}");
+    }
+}
+
 /// The robot is about to roll and sees something near where it thought the way was free.
 #[test]
 fn a_robot_that_seeks_decides_again_before_it_rolls_at_most_three_times() {
