@@ -7,9 +7,10 @@ use crate::persist::{NoFlash, Store};
 use crate::safety::Alarms;
 use crate::sonar_ring::RingReading;
 use crate::uart::{ErrorCounters, TxQueue};
+use amp::body::Body;
 use amp::config::Config;
 use amp::controller::{Mode, StopReason};
-use amp::node::{Identity, NomadNode};
+use amp::node::{Identity, Node};
 use amp::som::Grid;
 use amp::units::Millis;
 use amp::wire::Receiver;
@@ -17,10 +18,12 @@ use amp::wire::message::{FlashError, FlashOperation, Source};
 use embedded_storage::nor_flash::NorFlash;
 use heapless::spsc::Consumer;
 
-/// Starts a node for the Nomad 200 with the recommended configuration: 16 transducers, 16 neurons
-/// per map, 100 samples. Sends its Hello.
-pub fn start(
-    node: &mut NomadNode,
+/// The node of a robot with this body: 16 transducers, 16 neurons per map, 100 samples.
+pub type RobotNode<B> = Node<16, 16, 100, B>;
+
+/// Starts a node with the recommended configuration for the Nomad 200. Sends its Hello.
+pub fn start<B: Body<16>>(
+    node: &mut RobotNode<B>,
     identity: Identity,
     now: Millis,
     out: &mut impl amp::node::FrameSink,
@@ -29,7 +32,7 @@ pub fn start(
     node.hello(now, out);
 }
 
-fn prepare(node: &mut NomadNode, identity: Identity) {
+fn prepare<B: Body<16>>(node: &mut RobotNode<B>, identity: Identity) {
     node.prepare(&Config::recommended(), Grid::rectangle(4, 4), identity);
 }
 
@@ -56,9 +59,10 @@ impl LogEvent {
     }
 }
 
-/// The state of the control task. `F` is the flash for saved images, if the board has one.
-pub struct Control<'parts, F = NoFlash> {
-    node: &'parts mut NomadNode,
+/// The state of the control task of a robot with the body `B`. `F` is the flash for saved images,
+/// if the board has one.
+pub struct Control<'parts, B, F = NoFlash> {
+    node: &'parts mut RobotNode<B>,
     receiver: Receiver,
     received: Consumer<'parts, u8>,
     ring: Option<Consumer<'parts, RingReading>>,
@@ -75,11 +79,11 @@ pub struct Control<'parts, F = NoFlash> {
     logged_losses: u32,
 }
 
-impl<'parts, F: NorFlash> Control<'parts, F> {
+impl<'parts, B: Body<16>, F: NorFlash> Control<'parts, B, F> {
     /// A control task for a node that is not started yet. Without a `store` nothing is saved.
     #[must_use]
     pub fn new(
-        node: &'parts mut NomadNode,
+        node: &'parts mut RobotNode<B>,
         received: Consumer<'parts, u8>,
         tx: TxQueue<'parts>,
         errors: &'parts ErrorCounters,
@@ -139,14 +143,14 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
         self.node.is_linked()
     }
 
-    /// Whether the robot may move at `now`: it explores or seeks, and a host was heard lately by
-    /// the device's clock, whichever clock the session uses.
+    /// Whether the robot may move at `now`: it explores, seeks or babbles, and a host was heard
+    /// lately by the device's clock, whichever clock the session uses.
     #[must_use]
     pub fn may_move(&self, now: Millis) -> bool {
         self.node.has_heard_host(now)
             && matches!(
                 self.node.state().mode(),
-                Mode::Explore { .. } | Mode::Seek { .. }
+                Mode::Explore { .. } | Mode::Seek { .. } | Mode::Babble { .. }
             )
     }
 
@@ -311,7 +315,10 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
 }
 
 /// Replaces the node's configuration and state by the newest saved image.
-fn load_latest<F: NorFlash>(node: &mut NomadNode, store: &mut Store<F>) -> Result<(), FlashError> {
+fn load_latest<B: Body<16>, F: NorFlash>(
+    node: &mut RobotNode<B>,
+    store: &mut Store<F>,
+) -> Result<(), FlashError> {
     store.load(|read, most| node.recall(read, most))
 }
 

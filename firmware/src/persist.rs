@@ -6,6 +6,7 @@
 //! slot   = an image, or blank, or the rest of an image that was not finished
 //! ```
 
+use amp::body::Body;
 use amp::store::{Contents, ImageError, ImageInfo, WORD, check};
 use amp::wire::checksum;
 use amp::wire::message::{FlashError, FlashOperation};
@@ -160,9 +161,14 @@ impl<F: NorFlash> Store<F> {
     ///
     /// # Errors
     /// [`FlashError::Failed`]: the previous image is still the newest.
-    pub fn save<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>(
+    pub fn save<
+        const SENSORS: usize,
+        const NEURONS: usize,
+        const SAMPLES: usize,
+        B: Body<SENSORS>,
+    >(
         &mut self,
-        contents: &Contents<'_, SENSORS, NEURONS, SAMPLES>,
+        contents: &Contents<'_, SENSORS, NEURONS, SAMPLES, B>,
     ) -> Result<(), FlashError> {
         let slot = self.claim_slot()?;
         let (from, end) = (self.address(slot), self.address(slot) + self.slot_bytes);

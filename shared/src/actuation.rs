@@ -2,12 +2,13 @@
 //! what it says: a frame turned on the body, wheels of another size, another axle.
 
 use crate::units::{Bearing, Displacement};
+use serde::{Deserialize, Serialize};
 
 /// 1 in the units of [`Actuation::length_q12`] and [`Actuation::turn_q12`].
 pub const ONE_Q12: u16 = 1 << 12;
 
 /// A base whose commands and odometry share their errors.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Actuation {
     /// Where the base goes when it goes ahead, in the frame of its commands and its odometry.
     pub front: Bearing,

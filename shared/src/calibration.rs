@@ -17,12 +17,14 @@ use heapless::Vec;
 use micromath::F32Ext;
 
 mod babble;
+mod costs;
+mod front;
 mod full_turn;
-mod solve;
+mod solver;
 
 pub use babble::{Babble, BabbleLimits};
 use full_turn::FullTurn;
-pub use solve::LearnedBody;
+pub use solver::{LearnedBody, Solver};
 
 /// Turns are told apart in so many steps of 5.6°.
 const BINS: usize = 64;
@@ -74,26 +76,26 @@ struct Slope {
     change_mm: i16,
 }
 
-/// How dissimilar the readings of two sensors are after a turn: a running average, 1 = two units of
-/// a reading. More than half of a logarithm counts as that.
+/// How dissimilar the readings of two sensors are after a turn: 1 more than a running average, 1 =
+/// two units of a reading. More than half of a logarithm counts as that.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Dissimilarity(u8);
 
 impl Dissimilarity {
-    const NONE: Self = Self(u8::MAX);
+    const NONE: Self = Self(0);
     const MOST: i32 = 254;
     /// The average takes this part of the difference to a new value.
     const PART: i32 = 15;
 
     /// The average; `None` before the first comparison.
     fn mean(self) -> Option<u8> {
-        (self != Self::NONE).then_some(self.0)
+        self.0.checked_sub(1)
     }
 
     fn learn(&mut self, difference: u16) {
         let new = (i32::from(difference) / 2).min(Self::MOST);
         let old = self.mean().map_or(new, i32::from);
-        self.0 = (old + crate::units::div_round(new - old, Self::PART)) as u8;
+        self.0 = (1 + old + crate::units::div_round(new - old, Self::PART)) as u8;
     }
 }
 
@@ -141,6 +143,21 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
             traveled_mm: 0,
             away_mm: 0,
         }
+    }
+
+    /// Forgets everything, in place: it is too large for the stack of a microcontroller.
+    pub fn clear(&mut self) {
+        for dissimilarity in self.dissimilarity.as_flattened_mut().as_flattened_mut() {
+            *dissimilarity = Dissimilarity::NONE;
+        }
+        self.readings.clear();
+        self.latest = [None; BEAMS];
+        self.slopes.clear();
+        self.means = [None; BEAMS];
+        self.full_turn = FullTurn::NEW;
+        self.heading = Bearing::ZERO;
+        self.way = (0, 0);
+        (self.turned, self.traveled_mm, self.away_mm) = (0, 0, 0);
     }
 
     /// The body has moved and then turned, by what its base tells.

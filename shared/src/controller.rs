@@ -7,6 +7,8 @@
 //! | *Learn* | standing still; each tick teaches both maps a fixed number of samples |
 //! | *Seek* | each complete ring becomes a decision towards the goal |
 //! | *Stopped* | nothing moves until the next command; the reason is stored |
+//! | *Babble* | random moves of a body that finds where its sensors look ([`body`](crate::body)) |
+//! | *Calibrate* | standing still; each tick is a step to where they look |
 //!
 //! A *decision* is taken when every enabled transducer has been heard since the last motion ended.
 //! Between decisions each echo passes the shield, which may shorten the motion under way. Time
@@ -33,6 +35,7 @@ use rand_core::Rng;
 use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro128PlusPlus;
 
+mod calibrate;
 mod commands;
 mod decide;
 mod learn;
@@ -43,6 +46,7 @@ mod search;
 pub(crate) mod supervise;
 mod tracked;
 
+pub(crate) use commands::refused;
 pub use message::{
     Command, CommandRefusal, Decision, Event, Mode, Motion, Outputs, Progress, StopReason,
 };

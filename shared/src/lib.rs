@@ -87,6 +87,7 @@ struct Readme;
 pub mod action_map;
 pub mod actuation;
 mod arrays;
+pub mod body;
 pub mod calibration;
 #[cfg(feature = "store")]
 mod checksum;

@@ -9,6 +9,7 @@
 //! When the host falls silent for longer than [`SILENCE_MS`](crate::link::SILENCE_MS) the robot
 //! stops with [`StopReason::LinkLost`] and stays stopped until the host resumes it.
 
+use crate::body::{Body, HeldRing};
 use crate::config::{Config, MAX_CONFIG};
 use crate::controller::{self, Event, Mode, NomadState, State, StopReason};
 use crate::goal::{Goal, NamedGoals};
@@ -23,6 +24,7 @@ use crate::wire::message::{
 use flash_requests::FlashRequest;
 use heapless::Vec;
 use reply_cache::ReplyCache;
+use transfer::StagedPart;
 
 mod configuration;
 mod flash_requests;
@@ -63,10 +65,11 @@ struct Underway {
     sent: Millis,
 }
 
-/// A controller behind a link.
+/// A controller behind a link, for a robot with this body.
 #[derive(Debug, Clone)]
-pub struct Node<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> {
+pub struct Node<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B = HeldRing> {
     config: Config<SENSORS>,
+    body: B,
     state: State<SENSORS, NEURONS, SAMPLES>,
     goal: Goal<SENSORS>,
     goals: NamedGoals<SENSORS>,
@@ -82,8 +85,9 @@ pub struct Node<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize
     reply_cache: ReplyCache,
     /// A stale echo was reported since the last decision.
     stale_reported: bool,
-    /// The received part of an uploaded configuration.
+    /// The received part of an uploaded configuration or body.
     staged: Vec<u8, MAX_CONFIG>,
+    staged_part: StagedPart,
 }
 
 /// The node of the Nomad 200 with the paper's sizes.
@@ -91,16 +95,16 @@ pub type NomadNode = Node<16, 16, 100>;
 
 const _: () = assert!(size_of::<NomadState>() <= 8_704);
 
-impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> Default
-    for Node<SENSORS, NEURONS, SAMPLES>
+impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<SENSORS>> Default
+    for Node<SENSORS, NEURONS, SAMPLES, B>
 {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
-    Node<SENSORS, NEURONS, SAMPLES>
+impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<SENSORS>>
+    Node<SENSORS, NEURONS, SAMPLES, B>
 {
     /// A node before [`start`](Self::start): no transducer is enabled, no goal is set. It is all
     /// zeros, so a static one takes no flash.
@@ -108,6 +112,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     pub const fn new() -> Self {
         Self {
             config: Config::zeroed(),
+            body: B::NEW,
             state: State::new(Grid::rectangle(1, 1)),
             goal: Goal::zeroed(),
             goals: NamedGoals::new(),
@@ -127,6 +132,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             reply_cache: ReplyCache::new(),
             stale_reported: false,
             staged: Vec::new(),
+            staged_part: StagedPart::Config,
         }
     }
 
@@ -153,6 +159,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     #[must_use]
     pub const fn config(&self) -> &Config<SENSORS> {
         &self.config
+    }
+
+    /// The robot's body.
+    #[must_use]
+    pub const fn body(&self) -> &B {
+        &self.body
     }
 
     /// The controller's state.
@@ -199,12 +211,17 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     /// Lets time pass. Returns whether there is more to do at once.
     pub fn tick(&mut self, now: Millis, out: &mut impl FrameSink) -> bool {
         let time = self.link.time(now);
-        if matches!(self.state.mode(), Mode::Learn { .. }) {
+        if self.thinks() {
             self.dispatch(time, Event::Tick, now, out);
         } else if self.link.clock() == Clock::Device {
             self.watch(time, now, out);
         }
-        matches!(self.state.mode(), Mode::Learn { .. })
+        self.thinks()
+    }
+
+    /// Whether it stands and has something to work out, tick by tick.
+    const fn thinks(&self) -> bool {
+        matches!(self.state.mode(), Mode::Learn { .. } | Mode::Calibrate)
     }
 
     /// Supervises link, motion and ring at `time` by the session's clock, and renews the motion.
@@ -214,7 +231,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             self.dispatch(time, Event::Alarm(StopReason::LinkLost), now, out);
             self.log(LogEvent::LinkLost, now, out);
         }
-        if !matches!(self.state.mode(), Mode::Learn { .. }) {
+        if !self.thinks() {
             self.dispatch(time, Event::Tick, now, out);
         }
         self.renew_motion(time, now, out);
@@ -255,7 +272,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         now: Millis,
         out: &mut impl FrameSink,
     ) -> Option<controller::CommandRefusal> {
-        let outputs = controller::handle(&self.config, &mut self.state, at, event);
+        let outputs = self.body.handle(&self.config, &mut self.state, at, event);
         self.publish(&outputs, at, now, out);
         outputs.refusal
     }

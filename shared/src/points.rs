@@ -109,6 +109,12 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         self.points.clear();
     }
 
+    /// Forgets all, and starts anew from here.
+    pub fn restart(&mut self) {
+        self.points.clear();
+        (self.heading, self.traveled_mm) = (Bearing::ZERO, 0);
+    }
+
     /// Number of points.
     #[must_use]
     pub fn len(&self) -> usize {

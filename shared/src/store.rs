@@ -1,11 +1,13 @@
-//! The saved image: configuration, maps, memory and goals as bytes that survive a loss of power.
+//! The saved image: configuration, body, maps, memory and goals as bytes that survive a loss of
+//! power.
 //! The chip stores it in flash, a desktop machine in a file; the bytes are the same.
 //!
 //! ```text
 //! image  = "AMPS" record…
 //! record = length:u8 body zeros          zeros up to a multiple of 4 bytes; numbers little-endian
 //! body   = 00 layout:u16 grammar:u32 generation:u32 sensors:u8 neurons:u8 samples:u16      the first
-//!        | 01 part:u8 offset:u16 bytes    a chunk of a part, as on the wire; maps without training are left out
+//!        | 01 part:u8 offset:u16 bytes    a chunk of a part, as on the wire; maps without training are left out,
+//!        |                                and so is the body of a robot with a held ring
 //!        | 02 seed:u64                    the state of the controller's random generator
 //!        | 03 name:[u8; 12] goal          a saved goal, in postcard's form; without a name the present one
 //!        | 04 crc:u32                     the last: CRC-32 of everything before it
@@ -20,6 +22,7 @@
 //! Cost: writing takes a record's bytes of memory, reading and checking as much; an image for the
 //! Nomad has at most [`MAX_NOMAD`] bytes.
 
+use crate::body::{Body, HeldRing};
 use crate::checksum::{CRC, Checksum};
 use crate::config::{Config, MAX_CONFIG};
 use crate::controller::{State, StatePart};
@@ -83,7 +86,13 @@ struct Head {
     samples: u16,
 }
 
-/// The parts in their order, by number; the configuration is number 0.
+/// Numbers of the parts that are read as a whole.
+mod whole {
+    pub(super) const CONFIG: u8 = 0;
+    pub(super) const BODY: u8 = 5;
+}
+
+/// The other parts in their order, by number from 1 on.
 const PARTS: [StatePart; 4] = [
     StatePart::Situations,
     StatePart::Changes,
@@ -93,9 +102,17 @@ const PARTS: [StatePart; 4] = [
 
 /// What an image holds, to be written.
 #[derive(Debug)]
-pub struct Contents<'m, const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> {
+pub struct Contents<
+    'm,
+    const SENSORS: usize,
+    const NEURONS: usize,
+    const SAMPLES: usize,
+    B = HeldRing,
+> {
     /// The configuration.
     pub config: &'m Config<SENSORS>,
+    /// The body.
+    pub body: &'m B,
     /// The state: maps and memory.
     pub state: &'m State<SENSORS, NEURONS, SAMPLES>,
     /// The present goal.
@@ -106,9 +123,17 @@ pub struct Contents<'m, const SENSORS: usize, const NEURONS: usize, const SAMPLE
 
 /// What an image holds, to be read.
 #[derive(Debug)]
-pub struct ContentsMut<'m, const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> {
+pub struct ContentsMut<
+    'm,
+    const SENSORS: usize,
+    const NEURONS: usize,
+    const SAMPLES: usize,
+    B = HeldRing,
+> {
     /// The configuration.
     pub config: &'m mut Config<SENSORS>,
+    /// The body.
+    pub body: &'m mut B,
     /// The state: maps and memory.
     pub state: &'m mut State<SENSORS, NEURONS, SAMPLES>,
     /// The present goal.

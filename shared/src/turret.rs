@@ -15,42 +15,13 @@ use crate::controller::{Event, Motion, Outputs, Progress};
 use crate::fixed::Mask;
 use crate::points::{Beam, PointLimits, PointMemory};
 use crate::units::{Bearing, Displacement, Millis, Range};
-use serde::{Deserialize, Serialize};
 
+mod body_spec;
 mod glance;
 mod ring_controller;
 
+pub use body_spec::{BodySpec, Mount};
 pub use ring_controller::RingController;
-
-/// Where a sensor stands on the body and looks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub struct Mount {
-    /// Position: x ahead, y to the left of the body's center.
-    pub position: Displacement,
-    /// Direction, from the body's front.
-    pub axis: Bearing,
-}
-
-/// A body with `BEAMS` sensors, at most 32.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct BodySpec<const BEAMS: usize> {
-    /// Its sensors.
-    pub mounts: [Mount; BEAMS],
-    /// Sensors that exist and are used.
-    pub enabled: Mask,
-    /// What the base makes of its commands.
-    pub actuation: Actuation,
-    /// How long points last.
-    pub points: PointLimits,
-    /// How far a sensor that hears nothing sees free space, millimeters from its face; `None` = it
-    /// tells nothing: the echo of a sonar may have gone astray on a smooth wall.
-    pub silence_mm: Option<u16>,
-    /// With more sectors than these unseen from here the robot turns on the spot before it
-    /// decides.
-    pub most_unseen: u8,
-    /// Distance that the guard keeps between body and points, millimeters; `None` = no guard.
-    pub guard_mm: Option<u16>,
-}
 
 /// New decisions in a row before one is carried out whatever shows up.
 const MAX_LOOKS: u8 = 3;
@@ -113,6 +84,18 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
             glances: 0,
             last_motion_id: 0,
         }
+    }
+
+    /// Nothing seen, in place: the points are too many for the stack of a microcontroller.
+    pub fn restart(&mut self) {
+        self.memory.restart();
+        self.odometer = Odometer::NEW;
+        (self.fresh, self.heard_at) = (Mask::NONE, Millis::from_ms(0));
+        self.last_ring = [None; SECTORS];
+        (self.motion, self.course) = (None, Bearing::ZERO);
+        (self.is_rolling, self.replans) = (false, 0);
+        (self.glance_since, self.glances) = (None, 0);
+        self.last_motion_id = 0;
     }
 
     /// The points.

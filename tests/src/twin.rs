@@ -2,15 +2,19 @@
 //! same bytes.
 
 use crate::chip::{EmulatedChip, RecordedBytes, SESSION, TIMEOUT, dimensions, packed};
+use amp::body::{Body, HeldRing};
+use amp::config::{Config, MAX_CONFIG};
 use amp::controller::{Event, Outputs};
-use amp::node::NomadNode;
 use amp::units::Millis;
 use amp::wire::frame::{self, Header};
 use amp::wire::message::{
-    Clock, DeviceMessage, GoalSpec, HostHello, HostMessage, ModeReport, Report, RobotCommand,
-    TimedEcho, TransferPart,
+    Clock, DeviceMessage, GoalSpec, HostHello, HostMessage, MAX_CHUNK, ModeReport, Report,
+    RobotCommand, TimedEcho, TransferPart,
 };
+use firmware::AnyBody;
+use firmware::control::RobotNode;
 use sim::pilot::Pilot;
+use sim::robot::AnyRobot;
 use std::time::Instant;
 
 /// Simulated time between two heartbeats.
@@ -18,10 +22,10 @@ const HEARTBEAT_MS: u32 = 250;
 /// Bytes that the F405 may lag behind: its receive queue holds twice as many.
 const BEHIND: usize = 256;
 
-/// The node and the chip.
-pub struct NodeTwin {
+/// The node of a robot with this body, and the chip.
+pub struct NodeTwin<B = HeldRing> {
     chip: EmulatedChip,
-    local: Box<NomadNode>,
+    local: Box<RobotNode<B>>,
     seq: u16,
     at_ms: u32,
     /// Sent by the node and not yet by the chip.
@@ -40,7 +44,22 @@ impl NodeTwin {
     pub fn new(rings: bool) -> Self {
         Self::with(EmulatedChip::start(), BEHIND, rings)
     }
+}
 
+impl NodeTwin<AnyBody> {
+    /// A chip and a node that are told of a robot and its body.
+    #[must_use]
+    pub fn of_robot(chip: EmulatedChip, robot: &AnyRobot, rings: bool) -> Self {
+        let mut twin = Self::with(chip, BEHIND, rings);
+        let config = robot.config(Config::recommended());
+        twin.write(TransferPart::Config, config.to_bytes(&mut [0; MAX_CONFIG]));
+        let body = robot.body();
+        twin.write(TransferPart::Body, body.to_bytes(&mut [0; MAX_CONFIG]));
+        twin
+    }
+}
+
+impl<B: Body<16>> NodeTwin<B> {
     /// A chip that has just been started, and a new node. The chip may lag `behind` bytes behind.
     ///
     /// # Panics
@@ -50,7 +69,7 @@ impl NodeTwin {
         let mut twin = Self {
             chip,
             behind,
-            local: Box::new(NomadNode::new()),
+            local: Box::new(RobotNode::new()),
             seq: 0,
             at_ms: 0,
             awaited: Vec::new(),
@@ -92,6 +111,12 @@ impl NodeTwin {
         self.compared
     }
 
+    /// The node on the host.
+    #[must_use]
+    pub fn local(&self) -> &RobotNode<B> {
+        &self.local
+    }
+
     /// Sends a command to both.
     pub fn command(&mut self, command: RobotCommand<16>) {
         let at_ms = self.at_ms;
@@ -109,6 +134,14 @@ impl NodeTwin {
     /// When they differ.
     pub fn learn(&mut self) {
         self.command(RobotCommand::Learn);
+        self.think();
+    }
+
+    /// Lets both work out what they have begun to.
+    ///
+    /// # Panics
+    /// When they differ.
+    pub fn think(&mut self) {
         let mut said = RecordedBytes::default();
         while self.local.tick(Millis::from_ms(0), &mut said) {}
         assert_eq!(
@@ -117,6 +150,24 @@ impl NodeTwin {
         );
         self.awaited.extend(said.0);
         self.settle(0);
+    }
+
+    /// Writes a part to both.
+    pub fn write(&mut self, part: TransferPart, bytes: &[u8]) {
+        let mut offset = 0;
+        let pieces = bytes.chunks(MAX_CHUNK).peekable();
+        let count = pieces.len();
+        for (number, piece) in pieces.enumerate() {
+            let bytes = piece.iter().copied().collect();
+            self.send(&HostMessage::Write {
+                part,
+                offset,
+                bytes,
+                last: number + 1 == count,
+            });
+            self.settle(0);
+            offset += piece.len() as u16;
+        }
     }
 
     /// Lets both seek a goal.
@@ -134,6 +185,7 @@ impl NodeTwin {
             TransferPart::Changes,
             TransferPart::Actions,
             TransferPart::Memory,
+            TransferPart::Body,
         ] {
             let mut offset = 0;
             loop {
@@ -242,7 +294,7 @@ impl NodeTwin {
     }
 }
 
-impl Pilot for NodeTwin {
+impl<B: Body<16>> Pilot for NodeTwin<B> {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         let at_ms = at.as_ms();
         let _ = self.heartbeats_until(at_ms);

@@ -38,7 +38,7 @@ fn episode(machine: &Machine) -> (EpisodeResult, u32) {
     let world = World::random(ROOM);
     let mut body = Body::new(&world, SonarModel::Ideal, TurretMode::Held, ROOM);
     // Without lag, because small chips have short queues.
-    let mut twin = NodeTwin::with(start(machine), 0, true);
+    let mut twin: NodeTwin = NodeTwin::with(start(machine), 0, true);
     twin.command(RobotCommand::Explore {
         moves: MOVES,
         seed: ROOM,

@@ -69,6 +69,7 @@ mod tests {
 
         fn contents(&self) -> Contents<'_, 16, 16, 100> {
             Contents {
+                body: &HeldRing,
                 config: &self.config,
                 state: &self.state,
                 goal: &self.goal,
@@ -80,6 +81,7 @@ mod tests {
         fn load(&mut self, store: &mut Store<&mut StoreFlash>) -> Result<(), FlashError> {
             store.load(|read, most| {
                 let mut contents = ContentsMut {
+                    body: &mut HeldRing,
                     config: &mut self.config,
                     state: &mut self.state,
                     goal: &mut self.goal,

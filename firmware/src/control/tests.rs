@@ -1,5 +1,6 @@
 use super::*;
 use crate::persist::{self, sim::SimFlash};
+use amp::body::HeldRing;
 use amp::parameters::Parameter;
 use amp::units::Range;
 use amp::wire::frame::{Header, unpack};
@@ -14,7 +15,7 @@ use std::vec::Vec;
 
 /// A control task between two queues; the test holds their other ends.
 struct ControlBench<F = Sectors> {
-    control: Control<'static, F>,
+    control: Control<'static, HeldRing, F>,
     incoming: Producer<'static, u8>,
     outgoing: Consumer<'static, u8>,
     seq: u16,
@@ -37,7 +38,7 @@ fn bench_with_flash(flash: Sectors) -> ControlBench {
 fn bench_with_store<F: NorFlash>(store: Option<Store<F>>) -> ControlBench<F> {
     let received = leak(Queue::<u8, 512>::new());
     let to_send = leak(Queue::<u8, 2048>::new());
-    let node = leak(NomadNode::new());
+    let node = leak(RobotNode::new());
     let errors = leak(ErrorCounters::new());
     let (incoming, received) = received.split();
     let (to_send, outgoing) = to_send.split();

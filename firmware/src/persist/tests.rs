@@ -1,5 +1,6 @@
 use super::sim::SimFlash;
 use super::*;
+use amp::body::HeldRing;
 use amp::config::Config;
 use amp::controller::{State, StatePart};
 use amp::goal::{Component, Goal, NamedGoals};
@@ -52,6 +53,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 
     fn contents(&self) -> Contents<'_, SENSORS, NEURONS, SAMPLES> {
         Contents {
+            body: &HeldRing,
             config: &self.config,
             state: &self.state,
             goal: &self.goal,
@@ -74,6 +76,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let mut stored = Self::of(0);
         store.load(|read, most| {
             let mut contents = ContentsMut {
+                body: &mut HeldRing,
                 config: &mut stored.config,
                 state: &mut stored.state,
                 goal: &mut stored.goal,

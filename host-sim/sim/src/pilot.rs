@@ -1,11 +1,13 @@
 //! A pilot drives the robot: events go in, motions come out.
 
 use crate::error::EpisodeError;
+use crate::robot::MAX_BEAMS;
 use amp::config::Config;
 use amp::controller::{self, Event, Outputs, State};
 use amp::faults::SensorVerdict;
 use amp::fixed::Mask;
 use amp::som::Grid;
+use amp::turret::BodySpec;
 use amp::units::{Millis, Range};
 
 /// Capacity of the simulator's memory for random moves.
@@ -69,11 +71,6 @@ pub trait Pilot {
     fn failure(&self) -> Option<EpisodeError> {
         None
     }
-
-    /// Random moves left while it learns where its sensors look; `None` when it knows.
-    fn calibration_moves_left(&self) -> Option<u16> {
-        None
-    }
 }
 
 /// A pilot whose maps can be read.
@@ -83,6 +80,14 @@ pub trait InspectableController: Pilot {
     /// # Errors
     /// When they are remote and cannot be read.
     fn knowledge(&mut self) -> Result<&SimState, EpisodeError>;
+
+    /// The body as it is known; `None` for a ring on a held turret.
+    ///
+    /// # Errors
+    /// As [`knowledge`](Self::knowledge).
+    fn body(&mut self) -> Result<Option<BodySpec<MAX_BEAMS>>, EpisodeError> {
+        Ok(None)
+    }
 }
 
 impl<P: Pilot> Pilot for &mut P {
@@ -97,15 +102,15 @@ impl<P: Pilot> Pilot for &mut P {
     fn failure(&self) -> Option<EpisodeError> {
         (**self).failure()
     }
-
-    fn calibration_moves_left(&self) -> Option<u16> {
-        (**self).calibration_moves_left()
-    }
 }
 
 impl<P: InspectableController> InspectableController for &mut P {
     fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
         (**self).knowledge()
+    }
+
+    fn body(&mut self) -> Result<Option<BodySpec<MAX_BEAMS>>, EpisodeError> {
+        (**self).body()
     }
 }
 

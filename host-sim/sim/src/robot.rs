@@ -1,11 +1,8 @@
 //! Robots other than the Nomad: a model, and what its sensors can tell.
 
-use amp::actuation::Actuation;
-use amp::calibration::{BabbleLimits, Calibration, LearnedBody};
-use amp::config::Config;
-use amp::fixed::Mask;
-use amp::turret::{BodySpec, Mount};
-use amp::units::{Bearing, Displacement};
+use amp::controller::Command;
+use amp::turret::BodySpec;
+use amp::units::Bearing;
 use arena::noise::Noise;
 use arena::robot::{BaseLimits, COLLISION_RADIUS_M, TurretMode};
 use arena::robot_model::{DriveKind, RobotModel, SensorKind, SensorMount};
@@ -45,8 +42,6 @@ pub const LEAST_MOVES: u16 = 20;
 const CALIBRATION_PERCENT: u32 = 20;
 /// Those are at least so many.
 const LEAST_CALIBRATION_MOVES: u16 = 12;
-/// Distance from the body that a random move leaves meanwhile, mm of the Nomad's.
-const BABBLE_MARGIN_MM: u16 = 30;
 /// A robot with at most so many sensors turns on the spot to look around.
 const FEW_SENSORS: usize = 4;
 /// A holonomic base moves any way at once: its wheels turn this fast, rad/s.
@@ -168,47 +163,14 @@ impl AnyRobot {
         }
     }
 
-    /// How the robot moves while it learns where its sensors look.
+    /// The command that has the controller find what it is not told; `None` if it is told all.
     #[must_use]
-    pub fn babble_limits(&self, config: &Config<16>) -> BabbleLimits {
-        BabbleLimits {
-            enabled: self.body().enabled,
-            longest_mm: config.robot.step_mm,
-            margin_mm: config
-                .robot
-                .body_radius_mm
-                .saturating_sub(config.robot.face_radius_mm)
-                + self.scaled_mm(BABBLE_MARGIN_MM),
-            speed_mm_s: config.robot.speed_mm_s,
-            learns_actuation: self.actuators == Origin::Learned,
-        }
-    }
-
-    /// The body with its sensors where they were found to look; those that were not are not used.
-    #[must_use]
-    pub fn learned_body(&self, calibration: &Calibration<MAX_BEAMS>) -> BodySpec<MAX_BEAMS> {
-        let LearnedBody {
-            bearings,
-            actuation,
-        } = match self.actuators {
-            Origin::Known => LearnedBody {
-                bearings: calibration.solve(),
-                actuation: Actuation::EXACT,
-            },
-            Origin::Learned => calibration.solve_all(),
-        };
-        let mut body = self.body();
-        body.actuation = actuation;
-        let face_mm = body.points.face_radius_mm.into();
-        body.enabled = Mask::NONE;
-        for (sensor, (mount, bearing)) in body.mounts.iter_mut().zip(bearings).enumerate() {
-            if let Some(axis) = bearing {
-                let position = Displacement::along(axis, face_mm);
-                *mount = Mount { position, axis };
-                body.enabled = body.enabled.with(sensor);
-            }
-        }
-        body
+    pub fn calibration(&self, moves: u16, seed: u64) -> Option<Command<16>> {
+        (self.geometry == Origin::Learned).then(|| Command::Calibrate {
+            moves: self.calibration_moves(moves),
+            seed,
+            actuators: self.actuators == Origin::Learned,
+        })
     }
 
     /// Median and greatest error of learned bearings, degrees; `None` if none was learned.
@@ -360,6 +322,7 @@ fn bearing(angle: f64) -> Bearing {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use amp::config::Config;
 
     fn robot(name: &str, ranges: Ranges) -> AnyRobot {
         AnyRobot::new(RobotModel::builtin(name).unwrap(), ranges, true).unwrap()

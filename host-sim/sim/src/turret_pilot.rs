@@ -4,9 +4,9 @@ use crate::error::EpisodeError;
 use crate::pilot::{InspectableController, Pilot, SimState};
 use crate::ring_pilot::{Policy, RingPilot};
 use crate::robot::{AnyRobot, MAX_BEAMS};
-use amp::calibration::{Babble, BabbleLimits};
+use amp::body::{Body as _, MountedSensors};
 use amp::config::Config;
-use amp::controller::{Command, Event, Outputs, State};
+use amp::controller::{Event, Outputs, State};
 use amp::som::Grid;
 use amp::turret::{self, BodySpec, VirtualTurret};
 use amp::units::Millis;
@@ -14,28 +14,14 @@ use amp::units::Millis;
 /// Points that the robot remembers.
 const POINTS: usize = 256;
 
-/// The controller in this process, behind a virtual turret.
+/// A robot's body as the controller in this process has it, as large as on the chip.
+pub type SimBody = MountedSensors<16, MAX_BEAMS, POINTS>;
+
+/// The controller in this process, of a robot whose sensors stand anywhere.
 pub struct TurretController {
     config: Config<16>,
-    body: BodySpec<MAX_BEAMS>,
-    turret: Box<VirtualTurret<16, POINTS>>,
+    body: Box<SimBody>,
     state: Box<SimState>,
-    /// While it learns where its sensors look: by random moves of its own, and after those by the
-    /// random moves that teach the maps.
-    babbling: Option<Babbling>,
-}
-
-/// Random moves that teach where the sensors look.
-struct Babbling {
-    robot: AnyRobot,
-    limits: BabbleLimits,
-    babble: Box<Babble<MAX_BEAMS>>,
-}
-
-impl Babbling {
-    fn learned_body(&self) -> BodySpec<MAX_BEAMS> {
-        self.robot.learned_body(self.babble.calibration())
-    }
 }
 
 impl TurretController {
@@ -45,33 +31,13 @@ impl TurretController {
     pub fn new(config: Config<16>, robot: &AnyRobot) -> Self {
         let mut state = State::new(Grid::rectangle(4, 4));
         state.expect_open_space(config.open_space);
+        let mut body = Box::<SimBody>::default();
+        body.tell(&robot.body());
         Self {
             config,
-            body: robot.body(),
-            turret: Box::default(),
+            body,
             state: Box::new(state),
-            babbling: None,
         }
-    }
-
-    /// The same, which first learns where its sensors look, by so many random moves.
-    #[must_use]
-    pub fn babbling(config: Config<16>, robot: &AnyRobot, moves: u16, seed: u64) -> Self {
-        let babbling = Babbling {
-            robot: robot.clone(),
-            limits: robot.babble_limits(&config),
-            babble: Box::new(Babble::new(moves, seed)),
-        };
-        Self {
-            babbling: Some(babbling),
-            ..Self::new(config, robot)
-        }
-    }
-
-    /// The body as the controller knows it.
-    #[must_use]
-    pub fn body(&self) -> &BodySpec<MAX_BEAMS> {
-        &self.body
     }
 }
 
@@ -115,44 +81,17 @@ impl<P: Policy> Pilot for TurretPolicy<P> {
 
 impl Pilot for TurretController {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
-        if let Some(babbling) = &mut self.babbling {
-            let was_over = babbling.babble.is_over();
-            let motion = babbling.babble.handle(&babbling.limits, &event);
-            let is_over = babbling.babble.is_over();
-            let learns = was_over && matches!(event, Event::Command(Command::Learn));
-            if learns || is_over != was_over {
-                self.body = babbling.learned_body();
-            }
-            if learns {
-                self.babbling = None;
-            }
-            if !was_over {
-                return Outputs {
-                    motion,
-                    ..Outputs::NONE
-                };
-            }
-        }
-        turret::handle(
-            &self.config,
-            &self.body,
-            &mut self.turret,
-            &mut *self.state,
-            at,
-            event,
-        )
-    }
-
-    fn calibration_moves_left(&self) -> Option<u16> {
-        let babbling = self.babbling.as_ref();
-        let babbling = babbling.filter(|babbling| !babbling.babble.is_over());
-        babbling.map(|babbling| babbling.babble.moves_left())
+        self.body.handle(&self.config, &mut self.state, at, event)
     }
 }
 
 impl InspectableController for TurretController {
     fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
         Ok(&self.state)
+    }
+
+    fn body(&mut self) -> Result<Option<BodySpec<MAX_BEAMS>>, EpisodeError> {
+        Ok(Some(self.body.known().clone()))
     }
 }
 

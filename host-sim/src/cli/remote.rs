@@ -3,6 +3,7 @@
 use super::run::drive;
 use super::setup::parsed;
 use amp::config::Config;
+use amp::turret::BodySpec;
 use amp::wire::message::Clock;
 use arena::world::World;
 use clap::Args;
@@ -12,6 +13,7 @@ use remote::link::{
 };
 use sim::episode::{Episode, Setup};
 use sim::error::EpisodeError;
+use sim::robot::AnyRobot;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -52,10 +54,11 @@ pub struct MindArgs {
 }
 
 impl MindArgs {
-    /// How to start the emulator.
-    pub(super) fn emulation(&self) -> Emulation {
+    /// How to start the emulator, with the program for a ring on a turret or for any body.
+    pub(super) fn emulation(&self, any_body: bool) -> Emulation {
         Emulation {
             firmware: self.firmware.clone(),
+            any_body,
             verbose: self.verbose,
         }
     }
@@ -65,7 +68,7 @@ impl MindArgs {
     /// # Errors
     /// When it cannot be reached, is incompatible, or has too small a memory.
     pub(super) fn place(&self, moves: u16) -> Result<ControllerPlace, BadInput> {
-        Ok(match Remote::connect(self, moves)? {
+        Ok(match Remote::connect(self, moves, false)? {
             None => ControllerPlace::Host,
             Some(remote) => {
                 ControllerPlace::Link(Box::new(remote.session), remote.address.to_string())
@@ -82,13 +85,17 @@ pub(super) struct Remote {
 }
 
 impl Remote {
-    /// Connects to a controller with a memory for `moves` random moves; `None` for the controller
-    /// in this process.
+    /// Connects to a controller with a memory for `moves` random moves, for any body or a ring on
+    /// a turret; `None` for the controller in this process.
     ///
     /// # Errors
     /// When it cannot be reached, is incompatible, or has too small a memory.
-    pub(super) fn connect(args: &MindArgs, moves: u16) -> Result<Option<Self>, BadInput> {
-        let emulation = args.emulation();
+    pub(super) fn connect(
+        args: &MindArgs,
+        moves: u16,
+        any_body: bool,
+    ) -> Result<Option<Self>, BadInput> {
+        let emulation = args.emulation(any_body);
         let qemu = matches!(args.choice, MindChoice::At(Address::Qemu));
         only_for_qemu(qemu, &emulation)?;
         let MindChoice::At(address) = &args.choice else {
@@ -118,20 +125,23 @@ impl Remote {
         setup: &Setup,
         log: Option<&Path>,
     ) -> Result<Episode, EpisodeError> {
-        let mut mind = self.mind(&setup.config).map_err(EpisodeError::from)?;
+        let body = setup.robot.as_ref().map(AnyRobot::body);
+        let mind = self.mind(&setup.config, body.as_ref());
+        let mut mind = mind.map_err(EpisodeError::from)?;
         drive(world, setup, &mut mind, log)
     }
 
-    /// The controller with this configuration and an empty memory.
+    /// The controller with this configuration and body, and an empty memory.
     ///
     /// # Errors
     /// When it cannot be reached or does not accept the configuration.
     pub(super) fn mind(
         &mut self,
         config: &Config<16>,
+        body: Option<&BodySpec<16>>,
     ) -> Result<RemoteController<&mut Session>, LinkError> {
         let number = link::next_number(self.session.number());
-        let mind = RemoteController::start(&mut self.session, number, config)?;
+        let mind = RemoteController::start(&mut self.session, number, config, body)?;
         let replaced = mind.replaced();
         // From the second episode on it has the state of the previous one.
         if std::mem::take(&mut self.first) && !replaced.is_empty() {

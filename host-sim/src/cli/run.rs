@@ -166,7 +166,7 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), CliError> {
     let sources = sources(&args.worlds)?;
     check_outputs(args, sources.len())?;
     check_robot(args, &setup)?;
-    let remote = Remote::connect(&args.mind, setup.explore_moves)?;
+    let remote = Remote::connect(&args.mind, setup.explore_moves, setup.robot.is_some())?;
     if let Some(dir) = &args.out {
         prepare(dir)?;
     }
@@ -217,7 +217,6 @@ fn check_robot(args: &RunArgs, setup: &Setup) -> Result<(), BadInput> {
         return Ok(());
     };
     let flags = [
-        ("--mind", args.mind.choice != MindChoice::Host),
         ("--save", args.save.is_some()),
         ("--log", args.log.is_some()),
     ];

@@ -137,7 +137,7 @@ fn source(args: &ViewArgs) -> Result<Box<dyn ViewSource>, BadInput> {
 
 fn board(args: &ViewArgs, address: &Address) -> Result<Box<dyn ViewSource>, BadInput> {
     let task = args.setup.task();
-    let session = open(address, &args.mind.emulation(), Clock::Device)?;
+    let session = open(address, &args.mind.emulation(false), Clock::Device)?;
     let name = address.to_string();
     let board = WatchedBoard::new(session, name, task.explore, task.seed, &task.behavior);
     Ok(Box::new(board.map_err(|error| named(address, &error))?))

@@ -1,7 +1,6 @@
 //! Random moves of a body that does not know where its sensors look.
 
 use super::Calibration;
-use crate::controller::{Event, Motion, Progress};
 use crate::fixed::Mask;
 use crate::units::{Bearing, Displacement, Range};
 use rand_core::{Rng, SeedableRng};
@@ -16,8 +15,6 @@ pub struct BabbleLimits {
     pub longest_mm: u16,
     /// Distance that a move leaves to the nearest thing heard, wherever that is, millimeters.
     pub margin_mm: u16,
-    /// Speed, mm/s.
-    pub speed_mm_s: u16,
     /// The body learns what its base does as well: after the first move it turns once around, and
     /// it leaves more room, because the base may go farther than it thinks.
     pub learns_actuation: bool,
@@ -35,30 +32,41 @@ const SHORTEST_MM: u16 = 5;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Babble<const BEAMS: usize> {
     calibration: Calibration<BEAMS>,
-    rng: Xoshiro128PlusPlus,
+    generator: Option<Xoshiro128PlusPlus>,
     moves_left: u16,
     moves_made: u16,
-    motion_id: u16,
-    is_moving: bool,
     /// Sensors heard since the last move ended.
     fresh: Mask,
     ranges: [Option<Range>; BEAMS],
 }
 
+impl<const BEAMS: usize> Default for Babble<BEAMS> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl<const BEAMS: usize> Babble<BEAMS> {
-    /// So many random moves, drawn from a seed.
+    /// Nothing to do.
     #[must_use]
-    pub fn new(moves: u16, seed: u64) -> Self {
+    pub const fn new() -> Self {
         Self {
             calibration: Calibration::new(),
-            rng: Xoshiro128PlusPlus::seed_from_u64(seed),
-            moves_left: moves,
+            generator: None,
+            moves_left: 0,
             moves_made: 0,
-            motion_id: 0,
-            is_moving: false,
             fresh: Mask::NONE,
             ranges: [None; BEAMS],
         }
+    }
+
+    /// Forgets what was learned; from now on so many random moves, drawn from a seed.
+    pub fn begin(&mut self, moves: u16, seed: u64) {
+        self.calibration.clear();
+        self.generator = Some(Xoshiro128PlusPlus::seed_from_u64(seed));
+        (self.moves_left, self.moves_made) = (moves, 0);
+        self.fresh = Mask::NONE;
+        self.ranges = [None; BEAMS];
     }
 
     /// What has been learned.
@@ -73,67 +81,48 @@ impl<const BEAMS: usize> Babble<BEAMS> {
         self.moves_left
     }
 
-    /// Whether all moves are made.
+    /// The base has moved and then turned, in the body's frame.
+    pub fn moved(&mut self, moved: Displacement, turned: Bearing) {
+        self.calibration.moved(moved, turned);
+    }
+
+    /// The last move is over: every sensor is to be heard again before the next.
+    pub const fn move_ended(&mut self) {
+        self.fresh = Mask::NONE;
+    }
+
+    /// Whether no moves are left, and every sensor was heard after the last one.
     #[must_use]
-    pub const fn is_over(&self) -> bool {
-        self.moves_left == 0 && !self.is_moving
+    pub fn is_over(&self, limits: &BabbleLimits) -> bool {
+        self.moves_left == 0 && self.has_heard_all(limits)
     }
 
-    /// Handles an event: echoes by the body's sensors, odometry in the body's frame. Returns a
-    /// motion in the body's frame.
-    pub fn handle<const SECTORS: usize>(
-        &mut self,
-        limits: &BabbleLimits,
-        event: &Event<SECTORS>,
-    ) -> Option<Motion> {
-        match *event {
-            Event::Echo { sensor, range } => self.hear(limits, sensor.into(), range),
-            Event::Odometry {
-                motion,
-                moved,
-                turned,
-                progress,
-            } => {
-                self.calibration.moved(moved, turned);
-                let has_ended = matches!(progress, Progress::Ended | Progress::Touched);
-                if has_ended && self.is_moving && motion == self.motion_id {
-                    self.is_moving = false;
-                    self.fresh = Mask::NONE;
-                }
-                None
-            }
-            Event::Command(_) | Event::Tick | Event::Alarm(_) | Event::Touched => None,
-        }
+    fn has_heard_all(&self, limits: &BabbleLimits) -> bool {
+        let mut enabled = limits.enabled.indices(BEAMS);
+        enabled.all(|sensor| self.fresh.contains(sensor))
     }
 
-    fn hear(
+    /// A sensor was heard. Returns the next move, in the body's frame, when that makes all of a
+    /// body that stands.
+    pub fn hear(
         &mut self,
         limits: &BabbleLimits,
         sensor: usize,
         range: Option<Range>,
-    ) -> Option<Motion> {
+        is_moving: bool,
+    ) -> Option<Displacement> {
         if !limits.enabled.contains(sensor) {
             return None;
         }
         self.calibration.hear(sensor, range);
         *self.ranges.get_mut(sensor)? = range;
         self.fresh = self.fresh.with(sensor);
-        let is_complete = limits
-            .enabled
-            .indices(BEAMS)
-            .all(|s| self.fresh.contains(s));
-        if self.is_moving || !is_complete || self.moves_left == 0 {
+        if is_moving || self.moves_left == 0 || !self.has_heard_all(limits) {
             return None;
         }
         self.moves_left -= 1;
         self.moves_made = self.moves_made.wrapping_add(1);
-        self.motion_id = self.motion_id.wrapping_add(1);
-        self.is_moving = true;
-        Some(Motion {
-            id: self.motion_id,
-            displacement: self.next_move(limits),
-            speed_mm_s: limits.speed_mm_s,
-        })
+        Some(self.next_move(limits))
     }
 
     fn next_move(&mut self, limits: &BabbleLimits) -> Displacement {
@@ -161,8 +150,13 @@ impl<const BEAMS: usize> Babble<BEAMS> {
             free_mm
         };
         let longest = u64::from(free_mm.min(limits.longest_mm).max(SHORTEST_MM));
-        let bearing = Bearing::from_turns(self.rng.next_u32() as u16);
-        let length = (u64::from(self.rng.next_u32()) * longest) >> 32;
+        let bearing = Bearing::from_turns(self.random() as u16);
+        let length = (u64::from(self.random()) * longest) >> 32;
         Displacement::along(bearing, (length as i32).max(SHORTEST_MM.into()))
+    }
+
+    fn random(&mut self) -> u32 {
+        let generator = self.generator.as_mut();
+        generator.map_or(0, Xoshiro128PlusPlus::next_u32)
     }
 }

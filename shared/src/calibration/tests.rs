@@ -1,6 +1,5 @@
 use super::*;
 use crate::actuation::Actuation;
-use crate::controller::{Event, Motion, Progress};
 use std::vec::Vec;
 
 /// Bearings of the sensors, degrees, in no order.
@@ -43,13 +42,14 @@ struct Rig {
 
 impl Rig {
     fn new(moves: u16, seed: u64) -> Self {
+        let mut babble = Babble::new();
+        babble.begin(moves, seed);
         Self {
-            babble: Babble::new(moves, seed),
+            babble,
             limits: BabbleLimits {
                 enabled: Mask::from_bits(0xFF),
                 longest_mm: 250,
                 margin_mm: 70,
-                speed_mm_s: 250,
                 learns_actuation: false,
             },
             x: 0.0,
@@ -62,21 +62,20 @@ impl Rig {
         }
     }
 
-    fn listen(&mut self) -> Option<Motion> {
-        let mut motion = None;
+    fn listen(&mut self, is_moving: bool) -> Option<Displacement> {
+        let mut next = None;
         for (sensor, bearing) in BEARINGS.into_iter().enumerate() {
             let mm = range_mm(self.x, self.y, self.heading + bearing.to_radians());
             let range = (!self.dead.contains(&sensor)).then(|| Range::from_mm(mm as u16));
-            let event = Event::<16>::Echo {
-                sensor: sensor as u8,
-                range,
-            };
-            motion = self.babble.handle(&self.limits, &event).or(motion);
+            let heard = self
+                .babble
+                .hear(&self.limits, sensor, range, is_moving || next.is_some());
+            next = heard.or(next);
         }
-        motion
+        next
     }
 
-    fn report(&mut self, motion: Motion, ahead_m: f64, turned: f64, progress: Progress) {
+    fn report(&mut self, ahead_m: f64, turned: f64) {
         self.heading += turned;
         self.x += ahead_m * libm::cos(self.heading);
         self.y += ahead_m * libm::sin(self.heading);
@@ -87,35 +86,38 @@ impl Rig {
         let moved = Displacement::along(self.actuation.front, libm::rint(told_mm) as i32);
         let told = turned * 4_096.0 / f64::from(self.actuation.turn_q12);
         let turned = Bearing::from_turns((told.to_degrees() / 360.0 * 65_536.0) as i32 as u16);
-        let event: Event<16> = motion.report(moved, turned, progress);
-        assert_eq!(self.babble.handle(&self.limits, &event), None);
+        self.babble.moved(moved, turned);
     }
 
     /// Turns towards each motion, listening on the way, and goes.
     fn run(&mut self) {
-        while let Some(motion) = self.listen() {
+        while let Some(next) = self.listen(false) {
             self.moves += 1;
-            let told = motion.displacement.bearing().minus(self.actuation.front);
+            let told = next.bearing().minus(self.actuation.front);
             let turn = f64::from(self.actuation.turn_q12) / 4_096.0;
             let mut left =
                 turn * f64::from(told.as_signed_turns()) * core::f64::consts::PI / 32_768.0;
             while left.abs() > 1e-9 {
                 let turn = left.clamp(-0.26, 0.26);
-                self.report(motion, 0.0, turn, Progress::Steering);
+                self.report(0.0, turn);
                 left -= turn;
-                assert_eq!(self.listen(), None);
+                assert_eq!(self.listen(true), None);
             }
-            let length = f64::from(self.actuation.length_q12) / 4_096.0
-                * f64::from(motion.displacement.length_mm())
-                / 1e3;
-            self.report(motion, length, 0.0, Progress::Ended);
+            let length =
+                f64::from(self.actuation.length_q12) / 4_096.0 * f64::from(next.length_mm()) / 1e3;
+            self.report(length, 0.0);
+            self.babble.move_ended();
         }
-        assert!(self.babble.is_over());
+        assert_eq!(self.babble.moves_left(), 0);
     }
 
     /// Errors of the sensors that work, degrees; the others must be known as dead.
     fn errors(&self) -> Vec<f64> {
-        self.errors_of(&self.babble.calibration().solve())
+        self.errors_of(&self.solve(false).bearings)
+    }
+
+    fn solve(&self, learns_actuation: bool) -> LearnedBody<8> {
+        Solver::new().solve(self.babble.calibration(), learns_actuation)
     }
 
     fn errors_of(&self, solved: &[Option<Bearing>; 8]) -> Vec<f64> {
@@ -169,7 +171,7 @@ fn what_a_wrong_base_does_is_learned_with_the_bearings() {
         };
         rig.limits.learns_actuation = true;
         rig.run();
-        let learned = rig.babble.calibration().solve_all();
+        let learned = rig.solve(true);
         let front = learned.actuation.front.minus(rig.actuation.front);
         assert!(front.as_signed_turns().abs() < 200, "{seed}: {front:?}");
         let turn = f64::from(learned.actuation.turn_q12) / 3_482.0;
@@ -185,7 +187,9 @@ fn what_a_wrong_base_does_is_learned_with_the_bearings() {
 fn nothing_is_known_without_moves() {
     let calibration = Calibration::<8>::new();
     assert_eq!(calibration.alive(), Mask::NONE);
-    assert_eq!(calibration.solve(), [None; 8]);
+    let learned = Solver::new().solve(&calibration, true);
+    assert_eq!(learned.bearings, [None; 8]);
+    assert_eq!(learned.actuation, Actuation::EXACT);
 }
 
 /// The nearest thing heard may stand anywhere.
@@ -225,4 +229,29 @@ fn averages_keep_their_bits_and_forget() {
 #[test]
 fn what_is_learned_of_sixteen_sensors_takes_12_kilobytes() {
     assert!(size_of::<Calibration<16>>() <= 12_100);
+}
+
+#[test]
+fn a_cleared_calibration_is_as_new() {
+    let mut rig = Rig::new(40, 3);
+    rig.run();
+    rig.babble.begin(7, 2);
+    let mut fresh = Babble::new();
+    fresh.begin(7, 2);
+    assert_eq!(rig.babble, fresh);
+}
+
+/// Each step of 16 sensors is at most 64 costs and 15 more of 15 pairs.
+#[test]
+fn a_solution_takes_so_many_steps() {
+    let mut rig = Rig::new(40, 3);
+    rig.run();
+    let mut solver = Solver::new();
+    solver.begin(rig.babble.calibration(), false);
+    let steps = 1
+        + (1..)
+            .find(|_| solver.advance(rig.babble.calibration()).is_some())
+            .unwrap_or(0);
+    assert!((200..=600).contains(&steps), "{steps}");
+    assert!(!solver.is_busy());
 }

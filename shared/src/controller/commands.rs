@@ -49,6 +49,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             }
             Command::Resume if self.can_resume() => self.interrupted,
             Command::Resume => return refused(CommandRefusal::NothingToResume),
+            Command::Calibrate { .. } => return refused(CommandRefusal::FixedRing),
         };
         self.enter(at, mode)
     }
@@ -67,16 +68,16 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.interrupted = match self.mode {
             Mode::Explore { .. } | Mode::Seek { .. } => self.mode,
             Mode::Stopped(_) => self.interrupted,
-            Mode::Idle | Mode::Learn { .. } => Mode::Idle,
+            Mode::Idle | Mode::Learn { .. } | Mode::Babble { .. } | Mode::Calibrate => Mode::Idle,
         };
         self.enter(at, Mode::Stopped(reason))
     }
 
-    /// Stops a robot that explores or seeks; does nothing in other modes.
+    /// Stops a robot that may move; does nothing in other modes.
     pub(super) fn alarm(&mut self, at: Millis, reason: StopReason) -> Outputs<SENSORS> {
         match self.mode {
-            Mode::Explore { .. } | Mode::Seek { .. } => self.stop(at, reason),
-            Mode::Idle | Mode::Learn { .. } | Mode::Stopped(_) => Outputs::none(),
+            Mode::Explore { .. } | Mode::Seek { .. } | Mode::Babble { .. } => self.stop(at, reason),
+            Mode::Idle | Mode::Learn { .. } | Mode::Calibrate | Mode::Stopped(_) => Outputs::none(),
         }
     }
 
@@ -126,7 +127,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 }
 
-fn refused<const SENSORS: usize>(refusal: CommandRefusal) -> Outputs<SENSORS> {
+pub(crate) fn refused<const SENSORS: usize>(refusal: CommandRefusal) -> Outputs<SENSORS> {
     Outputs {
         refusal: Some(refusal),
         ..Outputs::none()

@@ -30,7 +30,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         match self.mode {
             Mode::Explore { left } => self.explore(config, now, situation, left),
             Mode::Seek { .. } => self.seek(config, now, situation),
-            Mode::Idle | Mode::Learn { .. } | Mode::Stopped(_) => {
+            _ => {
                 self.pending = None;
                 Outputs::none()
             }

@@ -30,6 +30,13 @@ pub enum Mode<const SENSORS: usize> {
     },
     /// Standing, for a reason.
     Stopped(StopReason),
+    /// Random moves that teach where the body's sensors look.
+    Babble {
+        /// Moves still to be made.
+        left: u16,
+    },
+    /// Standing: finds from those where the sensors look.
+    Calibrate,
 }
 
 /// Why the robot stopped.
@@ -74,6 +81,8 @@ pub enum CommandRefusal {
     NotLearned,
     /// No stop interrupted anything.
     NothingToResume,
+    /// The transducers are a ring, whose bearings are known.
+    FixedRing,
 }
 
 /// A command to the robot.
@@ -94,6 +103,16 @@ pub enum Command<const SENSORS: usize> {
     Stop,
     /// Resume what a stop interrupted.
     Resume,
+    /// Find where the body's sensors look by so many random moves; only with
+    /// [`MountedSensors`](crate::body::MountedSensors).
+    Calibrate {
+        /// Number of moves, at least 1.
+        moves: u16,
+        /// Seed of the moves.
+        seed: u64,
+        /// Whether to find as well what the base makes of its commands.
+        actuators: bool,
+    },
 }
 
 /// What became of a motion.

@@ -1,7 +1,7 @@
 //! Supervision: stops a robot that explores or seeks when a motion is overdue or transducers fall
 //! silent.
 
-use super::{Motion, Outputs, State, StopReason, patience_ms};
+use super::{Mode, Motion, Outputs, State, StopReason, patience_ms};
 use crate::config::Config;
 use crate::units::Millis;
 
@@ -40,7 +40,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         if self.moving && self.deadline.is_before(at) {
             return self.alarm(at, StopReason::Overdue);
         }
-        if at.after(self.waiting_since) > patience_ms(config) && self.lacks_echo(config, at) {
+        let is_late = at.after(self.waiting_since) > patience_ms(config);
+        if is_late && self.lacks_echo(config, at) {
             return self.alarm(at, StopReason::RingIncomplete);
         }
         Outputs::none()
@@ -53,7 +54,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             let heard = self.scan.heard_at(sensor);
             heard.is_none_or(|heard| at.after(heard) > patience_ms(config))
         };
-        !self.moving || self.enabled(config).indices(SENSORS).any(is_late)
+        // A random move of a body that finds its sensors is listened to by the body alone.
+        let is_heard_elsewhere = matches!(self.mode, Mode::Babble { .. });
+        let falls_silent =
+            !is_heard_elsewhere && self.enabled(config).indices(SENSORS).any(is_late);
+        !self.moving || falls_silent
     }
 
     /// The base turns its wheels: the motion's time counts from now, unless this takes longer than
@@ -84,10 +89,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     /// Ends the motion under way: the next ring is awaited as after a motion the base has ended.
     #[inline(never)]
     pub(super) fn touched(&mut self, config: &Config<SENSORS>, at: Millis) -> Outputs<SENSORS> {
-        let Some(pending) = self.pending.as_ref().filter(|_| self.moving) else {
+        if !self.moving {
             return Outputs::none();
-        };
-        self.detector.touched(config, pending.remaining.now());
+        }
+        if let Some(pending) = &self.pending {
+            self.detector.touched(config, pending.remaining.now());
+        }
         self.moving = false;
         self.await_ring(at);
         self.motion_id = self.motion_id.wrapping_add(1);

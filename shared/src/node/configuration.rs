@@ -4,14 +4,15 @@
 //! session (open space, the source of echoes, the clock) is not part of it.
 
 use super::{Identity, Node};
+use crate::body::Body;
 use crate::config::Config;
 use crate::goal::Goal;
 use crate::parameters::{Parameter, ParameterError};
 use crate::som::Grid;
 use crate::store::{ContentsMut, ImageError};
 
-impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
-    Node<SENSORS, NEURONS, SAMPLES>
+impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<SENSORS>>
+    Node<SENSORS, NEURONS, SAMPLES, B>
 {
     /// The first half of [`start`](Self::start), for a device that reads a saved image before the
     /// hello.
@@ -34,6 +35,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     ) -> Result<(), ImageError> {
         let mut contents = ContentsMut {
             config: &mut self.config,
+            body: &mut self.body,
             state: &mut self.state,
             goal: &mut self.goal,
             goals: &mut self.goals,

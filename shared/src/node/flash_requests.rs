@@ -4,6 +4,7 @@
 //! does it and reports the result.
 
 use super::{FrameSink, Node};
+use crate::body::Body;
 use crate::goal::{Name, NamedGoal};
 use crate::store::Contents;
 use crate::units::Millis;
@@ -25,14 +26,15 @@ impl FlashRequest {
     };
 }
 
-impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
-    Node<SENSORS, NEURONS, SAMPLES>
+impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<SENSORS>>
+    Node<SENSORS, NEURONS, SAMPLES, B>
 {
     /// What a saved image holds.
     #[must_use]
-    pub const fn contents(&self) -> Contents<'_, SENSORS, NEURONS, SAMPLES> {
+    pub const fn contents(&self) -> Contents<'_, SENSORS, NEURONS, SAMPLES, B> {
         Contents {
             config: &self.config,
+            body: &self.body,
             state: &self.state,
             goal: &self.goal,
             goals: &self.goals,

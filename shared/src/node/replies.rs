@@ -1,6 +1,7 @@
 //! Frames on their way out: decisions, motions, notices and answers.
 
 use super::{FrameSink, MOTION_TTL_MS, Node, RENEWAL_MS, Underway, add};
+use crate::body::Body;
 use crate::controller::{Motion, Outputs};
 use crate::units::Millis;
 use crate::wire::frame::{Frame, Header};
@@ -8,8 +9,8 @@ use crate::wire::message::{
     Counters, DeviceMessage, LogEvent, ModeReport, MotionCommand, Refusal, Report,
 };
 
-impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
-    Node<SENSORS, NEURONS, SAMPLES>
+impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<SENSORS>>
+    Node<SENSORS, NEURONS, SAMPLES, B>
 {
     /// Sends what an event brought about.
     // Apart, so that it adds nothing to the controller's stack.

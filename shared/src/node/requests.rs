@@ -1,6 +1,7 @@
 //! A host's requests: one function for each kind of accepted message.
 
 use super::{FrameSink, Node};
+use crate::body::Body;
 use crate::controller::{Command, Event, Mode};
 use crate::goal::{Component, Goal};
 use crate::memory;
@@ -11,8 +12,8 @@ use crate::wire::message::{
     TimedEcho,
 };
 
-impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
-    Node<SENSORS, NEURONS, SAMPLES>
+impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<SENSORS>>
+    Node<SENSORS, NEURONS, SAMPLES, B>
 {
     /// Does what an accepted frame asks for, and answers it.
     pub(super) fn request(
@@ -198,6 +199,15 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             // `message` has stopped the robot already.
             RobotCommand::Stop => return Ok(None),
             RobotCommand::Resume => Command::Resume,
+            RobotCommand::Calibrate {
+                moves,
+                seed,
+                actuators,
+            } => Command::Calibrate {
+                moves,
+                seed,
+                actuators,
+            },
             RobotCommand::Forget => return self.forget().map(|()| None),
         }))
     }
@@ -240,7 +250,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     pub(super) fn require_standing(&self) -> Result<(), Refusal> {
         match self.state.mode() {
             Mode::Idle | Mode::Stopped(_) => Ok(()),
-            Mode::Explore { .. } | Mode::Learn { .. } | Mode::Seek { .. } => Err(Refusal::Moving),
+            Mode::Explore { .. }
+            | Mode::Learn { .. }
+            | Mode::Seek { .. }
+            | Mode::Babble { .. }
+            | Mode::Calibrate => Err(Refusal::Moving),
         }
     }
 

@@ -1,6 +1,7 @@
 //! Received frames: opens sessions, and accepts, repeats or refuses what a host sends.
 
 use super::{FrameSink, Node, add};
+use crate::body::Body;
 use crate::controller::{Command, Event, Mode, StopReason};
 use crate::link::FrameVerdict;
 use crate::units::Millis;
@@ -10,8 +11,8 @@ use crate::wire::message::{
 };
 use crate::wire::{PROTOCOL, SCHEMA};
 
-impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
-    Node<SENSORS, NEURONS, SAMPLES>
+impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<SENSORS>>
+    Node<SENSORS, NEURONS, SAMPLES, B>
 {
     /// Takes a received frame, without its zero, at `now` by the device's clock.
     pub fn frame(&mut self, now: Millis, frame: &[u8], out: &mut impl FrameSink) {

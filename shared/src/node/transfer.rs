@@ -1,6 +1,7 @@
 //! Transfer of configuration, maps and memory in pieces, and their checksums.
 
 use super::{FrameSink, MAX_CONFIG, Node};
+use crate::body::Body;
 use crate::checksum::{Checksum, checksum};
 use crate::config::Config;
 use crate::controller::{self, TransferError};
@@ -8,8 +9,8 @@ use crate::units::Millis;
 use crate::wire::message::{DeviceMessage, MAX_CHUNK, Refusal, TransferPart};
 use heapless::Vec;
 
-impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
-    Node<SENSORS, NEURONS, SAMPLES>
+impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<SENSORS>>
+    Node<SENSORS, NEURONS, SAMPLES, B>
 {
     /// Answers with a piece of a part.
     // Apart, so that its large buffers add nothing to the stack of every request.
@@ -23,16 +24,19 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     ) {
         let mut bytes = Vec::<u8, MAX_CHUNK>::new();
         let start = usize::from(offset);
-        let total = match controller_part(part) {
-            Some(part) => {
+        let total = match owner(part) {
+            Owner::Controller(part) => {
                 let mut buffer = [0; MAX_CHUNK];
                 let count = self.state.read_part(part, start, &mut buffer);
                 let _ = bytes.extend_from_slice(buffer.get(..count).unwrap_or(&[]));
                 self.state.part_len(part)
             }
-            None => {
+            Owner::Node(part) => {
                 let mut buffer = [0; MAX_CONFIG];
-                let whole = self.config.to_bytes(&mut buffer);
+                let whole = match part {
+                    StagedPart::Config => self.config.to_bytes(&mut buffer),
+                    StagedPart::Body => self.body.to_bytes(&mut buffer),
+                };
                 let rest = whole.get(start..).unwrap_or(&[]);
                 let _ = bytes.extend_from_slice(rest.get(..MAX_CHUNK).unwrap_or(rest));
                 whole.len()
@@ -47,7 +51,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.send(piece, now, out);
     }
 
-    /// Takes a piece of a part; a configuration takes effect with its last piece.
+    /// Takes a piece of a part; a configuration or a body takes effect with its last piece.
     pub(super) fn write_part(
         &mut self,
         part: TransferPart,
@@ -56,20 +60,29 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         last: bool,
     ) -> Result<(), Refusal> {
         self.require_standing()?;
-        if let Some(part) = controller_part(part) {
-            let written = self.state.write_part(part, usize::from(offset), bytes);
-            return written.map_err(Refusal::Transfer);
-        }
+        let part = match owner(part) {
+            Owner::Controller(part) => {
+                let written = self.state.write_part(part, usize::from(offset), bytes);
+                return written.map_err(Refusal::Transfer);
+            }
+            Owner::Node(part) => part,
+        };
         if offset == 0 {
             self.staged.clear();
+            self.staged_part = part;
         }
-        if usize::from(offset) != self.staged.len() || self.staged.extend_from_slice(bytes).is_err()
-        {
+        let continues = part == self.staged_part && usize::from(offset) == self.staged.len();
+        if !continues || self.staged.extend_from_slice(bytes).is_err() {
             return Err(Refusal::Transfer(TransferError::OutOfBounds));
         }
-        if last {
-            let config = Config::from_bytes(&self.staged).ok_or(Refusal::Config)?;
-            self.replace_config(config);
+        match part {
+            _ if !last => {}
+            StagedPart::Config => {
+                let config = Config::from_bytes(&self.staged).ok_or(Refusal::Config)?;
+                self.replace_config(config);
+            }
+            StagedPart::Body if self.body.replace(&self.staged) => {}
+            StagedPart::Body => return Err(Refusal::Body),
         }
         Ok(())
     }
@@ -106,13 +119,26 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 }
 
-/// The controller's part; `None` for the configuration, which is the node's.
-const fn controller_part(part: TransferPart) -> Option<controller::StatePart> {
+/// A part that is collected before it takes effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum StagedPart {
+    Config,
+    Body,
+}
+
+/// Who has a part.
+enum Owner {
+    Controller(controller::StatePart),
+    Node(StagedPart),
+}
+
+const fn owner(part: TransferPart) -> Owner {
     match part {
-        TransferPart::Config => None,
-        TransferPart::Situations => Some(controller::StatePart::Situations),
-        TransferPart::Changes => Some(controller::StatePart::Changes),
-        TransferPart::Actions => Some(controller::StatePart::Actions),
-        TransferPart::Memory => Some(controller::StatePart::Memory),
+        TransferPart::Config => Owner::Node(StagedPart::Config),
+        TransferPart::Situations => Owner::Controller(controller::StatePart::Situations),
+        TransferPart::Changes => Owner::Controller(controller::StatePart::Changes),
+        TransferPart::Actions => Owner::Controller(controller::StatePart::Actions),
+        TransferPart::Memory => Owner::Controller(controller::StatePart::Memory),
+        TransferPart::Body => Owner::Node(StagedPart::Body),
     }
 }

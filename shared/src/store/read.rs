@@ -198,8 +198,8 @@ impl RecordReader {
     }
 }
 
-impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
-    ContentsMut<'_, SENSORS, NEURONS, SAMPLES>
+impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<SENSORS>>
+    ContentsMut<'_, SENSORS, NEURONS, SAMPLES, B>
 {
     /// Replaces everything by the image's content. The robot has to stand still.
     ///
@@ -215,7 +215,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         if (head.sensors, head.neurons) != ours || usize::from(head.samples) > SAMPLES {
             return Err(ImageError::Dimensions);
         }
-        *self.config = read_config(read, most)?;
+        let mut buffer = [0; MAX_CONFIG];
+        let config = read_whole(read, most, whole::CONFIG, &mut buffer)?;
+        let config = Config::from_bytes(config).ok_or(ImageError::Version)?;
+        let body = read_whole(read, most, whole::BODY, &mut buffer)?;
+        if !self.body.replace(body) {
+            return Err(ImageError::Dimensions);
+        }
+        *self.config = config;
         self.state.forget();
         self.goals.clear();
         *self.goal = Goal::avoiding(self.config);
@@ -233,7 +240,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         loop {
             walk.next(read).ok()?;
             match ImageRecord::parse(walk.body())? {
-                ImageRecord::Head(_) | ImageRecord::Chunk { part: 0, .. } => {}
+                ImageRecord::Head(_)
+                | ImageRecord::Chunk {
+                    part: whole::CONFIG | whole::BODY,
+                    ..
+                } => {}
                 ImageRecord::Chunk {
                     part,
                     offset,
@@ -257,19 +268,19 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 }
 
-/// The configuration in an image, which sends it first.
-fn read_config<const SENSORS: usize>(
+/// The bytes of a part in an image.
+fn read_whole<'b>(
     read: Read<'_>,
     most: usize,
-) -> Result<Config<SENSORS>, ImageError> {
-    let mut buffer = [0; MAX_CONFIG];
+    number: u8,
+    buffer: &'b mut [u8; MAX_CONFIG],
+) -> Result<&'b [u8], ImageError> {
     let mut length = 0_usize;
     let mut walk = RecordReader::begin(read, most)?;
     loop {
         walk.next(read)?;
         match ImageRecord::parse(walk.body()) {
-            Some(ImageRecord::Head(_)) => {}
-            Some(ImageRecord::Chunk { part: 0, bytes, .. }) => {
+            Some(ImageRecord::Chunk { part, bytes, .. }) if part == number => {
                 let end = length.saturating_add(bytes.len());
                 let place = buffer.get_mut(length..end).ok_or(ImageError::Version)?;
                 for (place, byte) in place.iter_mut().zip(bytes) {
@@ -277,8 +288,9 @@ fn read_config<const SENSORS: usize>(
                 }
                 length = end;
             }
-            _ => break,
+            Some(ImageRecord::End(_)) => break,
+            _ => {}
         }
     }
-    Config::from_bytes(buffer.get(..length).unwrap_or(&[])).ok_or(ImageError::Version)
+    Ok(buffer.get(..length).unwrap_or(&[]))
 }

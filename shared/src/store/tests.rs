@@ -64,6 +64,7 @@ impl<const SAMPLES: usize> Mind<SAMPLES> {
 
     fn image(&self, generation: u32) -> Vec<u8> {
         let contents = Contents {
+            body: &HeldRing,
             config: &self.config,
             state: &self.state,
             goal: &self.goal,
@@ -89,6 +90,7 @@ impl<const SAMPLES: usize> Mind<SAMPLES> {
         most: usize,
     ) -> Result<ImageInfo, ImageError> {
         let mut contents = ContentsMut {
+            body: &mut HeldRing,
             config: &mut self.config,
             state: &mut self.state,
             goal: &mut self.goal,

@@ -2,8 +2,8 @@
 
 use super::*;
 
-impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
-    Contents<'_, SENSORS, NEURONS, SAMPLES>
+impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<SENSORS>>
+    Contents<'_, SENSORS, NEURONS, SAMPLES, B>
 {
     /// Writes the image of this generation, front to back, each time a whole record of at most 256
     /// bytes and a multiple of [`WORD`]. No more than one of them is in memory.
@@ -27,7 +27,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let mut buffer = [0; MAX_CONFIG];
         let config = self.config.to_bytes(&mut buffer);
         for (index, bytes) in config.chunks(MAX_CHUNK).enumerate() {
-            put(&piece(0, index.wrapping_mul(MAX_CHUNK), bytes))?;
+            put(&piece(whole::CONFIG, index.wrapping_mul(MAX_CHUNK), bytes))?;
+        }
+        let body = self.body.to_bytes(&mut buffer);
+        for (index, bytes) in body.chunks(MAX_CHUNK).enumerate() {
+            put(&piece(whole::BODY, index.wrapping_mul(MAX_CHUNK), bytes))?;
         }
         for (number, part) in (1..).zip(PARTS) {
             let mut offset = 0_usize;

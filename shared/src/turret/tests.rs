@@ -30,6 +30,7 @@ fn ring_body(guard_mm: Option<u16>) -> BodySpec<16> {
         silence_mm: None,
         most_unseen: 16,
         guard_mm,
+        babble_margin_mm: 30,
     }
 }
 

@@ -35,6 +35,8 @@ pub enum TransferPart {
     Actions,
     /// The lazy memory.
     Memory,
+    /// The body, as the configuration; empty if the program is for a held ring only.
+    Body,
 }
 
 /// Where echoes come from.

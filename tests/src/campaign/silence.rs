@@ -9,6 +9,7 @@ use super::bridged;
 use super::wheels::Wheels;
 use super::{CampaignVerdict, ProgressCallback, below, generator, grouped, parts};
 use crate::chip::packed;
+use amp::body::HeldRing;
 use amp::wire::Receiver;
 use amp::wire::frame::{Header, unpack};
 use amp::wire::message::{DeviceMessage, HostMessage, Report, TimedEcho};
@@ -247,7 +248,7 @@ fn watch_stop(
 
 /// A chip, a host and a base with a line between them.
 struct SilenceScene<'a> {
-    control: Control<'a>,
+    control: Control<'a, HeldRing>,
     incoming: Producer<'a, u8>,
     outgoing: Consumer<'a, u8>,
     /// Bytes on the line to the chip, and the line's capacity left in both directions, hundredths
@@ -268,7 +269,7 @@ struct SilenceScene<'a> {
 impl<'a> SilenceScene<'a> {
     fn new(
         ready: &Ready,
-        control: Control<'a>,
+        control: Control<'a, HeldRing>,
         wheels: Wheels<'a>,
         incoming: Producer<'a, u8>,
         outgoing: Consumer<'a, u8>,

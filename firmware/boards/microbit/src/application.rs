@@ -3,6 +3,7 @@
 #![allow(unsafe_code)]
 
 use crate::device::{Device, MatrixLed, MillisecondTimer, NordicUart};
+use amp::body::HeldRing;
 use amp::node::{Identity, NomadNode};
 use amp::units::Millis;
 use amp::wire::message::{Oscillator, ResetCause};
@@ -53,7 +54,7 @@ fn main() -> ! {
     let (to_send_in, to_send_out) = TX_QUEUE.split();
     let peripherals = Peripherals::take().unwrap();
     let mut device = Device::start(peripherals);
-    let mut control: Control<'_> =
+    let mut control: Control<'_, HeldRing> =
         Control::new(NODE, received_out, TxQueue::new(to_send_in), &ERRORS, None);
     let link = SerialLink {
         driver: UartDriver::new(received_in, to_send_out),
@@ -77,7 +78,7 @@ fn main() -> ! {
 }
 
 /// Runs the control task once.
-fn run_control(control: &mut Control<'_>, led: &mut MatrixLed) {
+fn run_control(control: &mut Control<'_, HeldRing>, led: &mut MatrixLed) {
     let now = Millis::from_ms(NOW_MS.load(Ordering::Relaxed));
     if control.run(now) {
         CONTROL_PENDING.store(true, Ordering::Relaxed);

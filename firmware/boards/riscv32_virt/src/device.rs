@@ -12,6 +12,10 @@ use firmware::uart::{UartPort, UartStatus};
 const UART: usize = 0x1000_0000;
 /// Its registers: data, FIFO control, line control, line status.
 const DATA: usize = 0;
+/// While the latch is open: the two bytes of the rate's divisor.
+const DIVISOR: [usize; 2] = [0, 1];
+/// Bit of the line control that opens the latch.
+const LATCH: u8 = 1 << 7;
 const FIFO_CONTROL: usize = 2;
 const LINE_CONTROL: usize = 3;
 const LINE_STATUS: usize = 5;
@@ -25,14 +29,19 @@ const TEST_DEVICE: usize = 0x10_0000;
 /// The command for a reset.
 const RESET: u32 = 0x7777;
 
-/// The serial port; an emulated one has no rate.
+/// The serial port.
 pub struct Uart16550 {
     moved: bool,
 }
 
 impl Uart16550 {
-    /// Eight data bits, no parity, one stop bit; FIFOs of 16 bytes.
+    /// Eight data bits, no parity, one stop bit; FIFOs of 16 bytes. At the greatest rate: the
+    /// emulator keeps to it.
     pub fn start() -> Self {
+        write8(LINE_CONTROL, LATCH);
+        for (register, byte) in DIVISOR.into_iter().zip([1, 0]) {
+            write8(register, byte);
+        }
         write8(LINE_CONTROL, 0b011);
         write8(FIFO_CONTROL, 0b111);
         Self { moved: false }

@@ -1,7 +1,7 @@
 //! The firmware on the emulated RISC-V machine `virt` of QEMU.
 //!
-//! One loop without interrupts moves bytes and runs the control task each millisecond. It has no
-//! flash for saved images and no ring.
+//! One loop without interrupts moves bytes and runs the control task, each millisecond at least. It
+//! has no flash for saved images and no ring.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

@@ -27,14 +27,14 @@ macro_rules! application {
             use $crate::flash::StoreFlash;
             use $crate::ring_timer::RingTimer;
             use $crate::serial::SerialPort;
-            use $crate::{clocks, fault};
+            use $crate::{RobotBody, clocks, fault};
             use $crate::$board as board;
-            use amp::node::{Identity, NomadNode};
+            use amp::node::Identity;
             use amp::units::Millis;
             use amp::wire::message::{Oscillator, ResetCause};
             use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
             use firmware::BUILD;
-            use firmware::control::Control;
+            use firmware::control::{Control, RobotNode};
             use firmware::crash::{ResetFlags, reset_cause, reset_name};
             use firmware::persist::{SLOT_BYTES, Store};
             use firmware::sonar_ring::{
@@ -75,14 +75,14 @@ macro_rules! application {
                 watchdog: Watchdog,
                 ring: SonarRing<'static, RingPin>,
                 timer: RingTimer,
-                control: Control<'static, StoreFlash>,
+                control: Control<'static, RobotBody, StoreFlash>,
                 safety: BoardSafetyLines,
                 supply: SupplyMonitor,
                 supply_alarm: SupplyInterrupt,
             }
 
             #[init(local = [
-                node: NomadNode = NomadNode::new(),
+                node: RobotNode<RobotBody> = RobotNode::new(),
                 received: Queue<u8, 512> = Queue::new(),
                 to_send: Queue<u8, 2048> = Queue::new(),
                 errors: ErrorCounters = ErrorCounters::new(),
@@ -246,7 +246,7 @@ macro_rules! application {
             }
 
             /// Measures the stack and logs changes.
-            fn housekeeping(control: &mut Control<'static, StoreFlash>) {
+            fn housekeeping(control: &mut Control<'static, RobotBody, StoreFlash>) {
                 control.set_stack_peak(fault::stack_peak_bytes());
                 if let Some(log_event) = control.next_log_event() {
                     log_event.log();

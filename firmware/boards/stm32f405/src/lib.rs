@@ -20,6 +20,13 @@
 #[cfg(test)]
 extern crate std;
 
+/// What the program is for.
+#[cfg(feature = "any-body")]
+pub type RobotBody = firmware::AnyBody;
+/// What the program is for.
+#[cfg(not(feature = "any-body"))]
+pub type RobotBody = amp::body::HeldRing;
+
 #[cfg(target_os = "none")]
 mod application;
 #[cfg(target_os = "none")]

@@ -46,7 +46,7 @@ impl AnyController {
             ControllerPlace::Host => Ok(Self::local(config)),
             ControllerPlace::Link(session, name) => {
                 let number = next_number(session.number());
-                let started = RemoteController::start(session, number, config);
+                let started = RemoteController::start(session, number, config, None);
                 let controller =
                     started.map_err(|error| BadInput::new(format!("{name}: {error}")))?;
                 Ok(Self::Link(Box::new(CachedRemote {

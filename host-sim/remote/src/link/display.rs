@@ -55,6 +55,9 @@ pub fn refusal(why: Refusal) -> String {
         Refusal::Flash(why) => why.to_string(),
         Refusal::NoSuchGoal => "it has no goal of this name (`host-sim link … goals`)".into(),
         Refusal::InvalidGoalName => "it has 8 goals already: drop one first".into(),
+        Refusal::Body => {
+            "its firmware is for a ring on a turret: build it with --features any-body".into()
+        }
     }
 }
 
@@ -70,6 +73,9 @@ fn command(why: controller::CommandRefusal) -> String {
             "it has not learned yet: learn first, or push maps".into()
         }
         controller::CommandRefusal::NothingToResume => "there is nothing to resume".into(),
+        controller::CommandRefusal::FixedRing => {
+            "it has been told of no body: nothing is to be found".into()
+        }
     }
 }
 
@@ -201,5 +207,9 @@ fn mode(state: ModeReport) -> String {
         ModeReport::Learn => "learns".into(),
         ModeReport::Seek => "seeks its goal".into(),
         ModeReport::Stopped(reason) => format!("stopped: {}", stop_reason(reason)),
+        ModeReport::Babble { left } => {
+            format!("moves to find where its sensors look, {left} moves left")
+        }
+        ModeReport::Calibrate => "finds where its sensors look".into(),
     }
 }

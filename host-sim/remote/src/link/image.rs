@@ -17,7 +17,7 @@ pub fn build(machine: &Machine) -> Result<PathBuf, LinkError> {
     let root = project().ok_or_else(|| {
         open_error("the firmware's sources are not here: start this in the project's folder, or give an image with --firmware ELF")
     })?;
-    let folder = root.join("target").join("qemu");
+    let folder = root.join("target").join(machine.target_folder());
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
     let built = Command::new(&cargo)
         .current_dir(&root)

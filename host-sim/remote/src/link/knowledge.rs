@@ -1,6 +1,7 @@
 //! Configuration, knowledge and goals of a controller as one file: the image of [`amp::store`].
 
 use super::{Fingerprint, LinkError, Session, next_number};
+use amp::body::HeldRing;
 use amp::config::Config;
 use amp::config::MAX_CONFIG;
 use amp::controller::StatePart;
@@ -193,6 +194,7 @@ impl Knowledge {
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let contents = Contents {
+            body: &HeldRing,
             config: &self.config,
             state: &self.state,
             goal: &self.goal,
@@ -217,6 +219,7 @@ impl Knowledge {
         let fresh = SimState::new(Grid::rectangle(4, 4));
         let mut knowledge = Self::new(Config::recommended(), fresh);
         let mut contents = ContentsMut {
+            body: &mut HeldRing,
             config: &mut knowledge.config,
             state: &mut knowledge.state,
             goal: &mut knowledge.goal,
@@ -256,8 +259,10 @@ impl Knowledge {
 fn require_idle(session: &mut Session) -> Result<(), LinkError> {
     match session.mode()? {
         ModeReport::Idle | ModeReport::Stopped(_) => Ok(()),
-        ModeReport::Explore { .. } | ModeReport::Learn | ModeReport::Seek => {
-            Err(LinkError::Refused(Refusal::Moving))
-        }
+        ModeReport::Explore { .. }
+        | ModeReport::Learn
+        | ModeReport::Seek
+        | ModeReport::Babble { .. }
+        | ModeReport::Calibrate => Err(LinkError::Refused(Refusal::Moving)),
     }
 }

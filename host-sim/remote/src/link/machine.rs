@@ -20,6 +20,16 @@ pub struct Machine {
 }
 
 impl Machine {
+    /// Folder below `target` for its image: programs with other features have the same name.
+    #[must_use]
+    pub fn target_folder(&self) -> &'static str {
+        if self.features.contains("any-body") {
+            "qemu-any-body"
+        } else {
+            "qemu"
+        }
+    }
+
     /// Olimex STM32-H405, the machine of the address `qemu`.
     pub const OLIMEX_H405: Self = Self {
         package: "stm32f405",
@@ -29,6 +39,12 @@ impl Machine {
         emulator: "qemu-system-arm",
         install: "qemu-system-arm",
         arguments: &["-M", "netduinoplus2"],
+    };
+
+    /// The same, for sensors anywhere on the body.
+    pub const OLIMEX_H405_ANY_BODY: Self = Self {
+        features: "qemu,any-body",
+        ..Self::OLIMEX_H405
     };
 
     /// Adafruit Feather STM32F405 Express: the same chip; the link is its third port.
@@ -58,5 +74,11 @@ impl Machine {
         emulator: "qemu-system-riscv32",
         install: "qemu-system-misc",
         arguments: &["-M", "virt", "-bios", "none"],
+    };
+
+    /// The same, for sensors anywhere on the body.
+    pub const RISCV32_VIRT_ANY_BODY: Self = Self {
+        features: "any-body",
+        ..Self::RISCV32_VIRT
     };
 }

@@ -47,6 +47,8 @@ use std::path::PathBuf;
 pub struct Emulation {
     /// Image of the firmware; without one it is built from the project's sources.
     pub firmware: Option<PathBuf>,
+    /// Build it for sensors anywhere on the body.
+    pub any_body: bool,
     /// Copy the emulator's messages to standard error.
     pub verbose: bool,
 }
@@ -60,7 +62,11 @@ pub fn connect(address: &Address, emulation: &Emulation) -> Result<Box<dyn Trans
         Address::Serial { path, baud } => Box::new(Serial::open(path, *baud)?),
         Address::Tcp(host) => Box::new(Tcp::open(host)?),
         Address::Qemu => {
-            let machine = &Machine::OLIMEX_H405;
+            let machine = if emulation.any_body {
+                &Machine::OLIMEX_H405_ANY_BODY
+            } else {
+                &Machine::OLIMEX_H405
+            };
             let image = match &emulation.firmware {
                 Some(image) => image.clone(),
                 None => image::build(machine)?,

@@ -1,6 +1,7 @@
 //! A node in this process behind a link: the same code as on the chip.
 
 use super::Transport;
+use amp::body::{Body, HeldRing};
 use amp::config::Config;
 use amp::node::{FrameSink, Identity, Node};
 use amp::som::Grid;
@@ -20,8 +21,8 @@ const TICK_MS: u32 = 10;
 
 /// A node as a [`Transport`]. Its clock advances only during a wait, and a wait takes no real time,
 /// so results are repeatable.
-pub struct InProcessNode<const SENSORS: usize = 16> {
-    node: Box<Node<SENSORS, 16, 100>>,
+pub struct InProcessNode<const SENSORS: usize = 16, B = HeldRing> {
+    node: Box<Node<SENSORS, 16, 100, B>>,
     receiver: Receiver,
     outgoing: Outgoing,
     now: Millis,
@@ -40,6 +41,14 @@ impl<const SENSORS: usize> InProcessNode<SENSORS> {
     /// A node that has just started.
     #[must_use]
     pub fn new(config: Config<SENSORS>) -> Self {
+        Self::of_body(config)
+    }
+}
+
+impl<const SENSORS: usize, B: Body<SENSORS>> InProcessNode<SENSORS, B> {
+    /// A node that has just started, for a robot with any body.
+    #[must_use]
+    pub fn of_body(config: Config<SENSORS>) -> Self {
         Self::with_identity(config, Identity::default())
     }
 
@@ -62,14 +71,14 @@ impl<const SENSORS: usize> InProcessNode<SENSORS> {
 
     /// The node.
     #[must_use]
-    pub fn node(&self) -> &Node<SENSORS, 16, 100> {
+    pub fn node(&self) -> &Node<SENSORS, 16, 100, B> {
         &self.node
     }
 
     /// Resets the node; its time continues.
     pub fn restart(&mut self, config: Config<SENSORS>) {
         let now = self.now;
-        *self = Self::new(config);
+        *self = Self::of_body(config);
         self.now = now;
     }
 
@@ -90,7 +99,7 @@ impl<const SENSORS: usize> InProcessNode<SENSORS> {
     }
 }
 
-impl<const SENSORS: usize> Transport for InProcessNode<SENSORS> {
+impl<const SENSORS: usize, B: Body<SENSORS> + Send> Transport for InProcessNode<SENSORS, B> {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.receive_bytes(bytes);
         Ok(())

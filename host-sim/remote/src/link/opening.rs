@@ -1,7 +1,11 @@
-//! Opens a session.
+//! Opens a session, as it is or with a configuration and a body.
 
-use super::{LinkError, Session};
-use amp::wire::message::{Clock, DeviceHello, DeviceMessage, Dimensions, HostHello, Refusal};
+use super::{Fingerprint, Knowledge, LinkError, Session};
+use amp::config::{Config, MAX_CONFIG};
+use amp::turret::BodySpec;
+use amp::wire::message::{
+    Clock, DeviceHello, DeviceMessage, Dimensions, HostHello, Refusal, RobotCommand, TransferPart,
+};
 use amp::wire::{HostMessage, PROTOCOL, SCHEMA};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
@@ -29,6 +33,31 @@ pub fn next_number(number: u16) -> u16 {
 }
 
 impl Session {
+    /// Opens session `number` and the next one with this configuration and body (`None` = a ring on
+    /// a held turret) and without knowledge; returns the fingerprints before and after.
+    pub(super) fn open_fresh(
+        &mut self,
+        number: u16,
+        config: &Config<16>,
+        body: Option<&BodySpec<16>>,
+    ) -> Result<(Fingerprint, Fingerprint), LinkError> {
+        let fresh = Fingerprint::fresh(config)?;
+        self.expect_open_space(config.open_space);
+        let found = Fingerprint::from(&self.open(number, Clock::Host)?);
+        // A learning controller accepts no configuration.
+        self.command(0, RobotCommand::Stop)?;
+        self.write_part(TransferPart::Config, &Knowledge::encode_config(config)?)?;
+        let mut buffer = [0; MAX_CONFIG];
+        let body = body.map_or(&[][..], |body| body.to_bytes(&mut buffer));
+        self.write_part(TransferPart::Body, body)?;
+        self.command(0, RobotCommand::Forget)?;
+        let hello = self.open(next_number(self.number()), Clock::Host)?;
+        match Fingerprint::from(&hello).differences(&fresh).first() {
+            Some(what) => Err(LinkError::Mismatch { what }),
+            None => Ok((found, fresh)),
+        }
+    }
+
     /// Opens session `number`, or the next one if the controller already has that session. A moving
     /// robot stops.
     ///

@@ -1,6 +1,6 @@
 //! Drives the simulated robot with a controller at the other end of a link.
 //!
-//! The controller's clock follows the time of the messages ([`Clock::Host`]), so neither a slow
+//! The controller's clock follows the time of the messages (`Clock::Host`), so neither a slow
 //! link nor a slow chip changes the result of an episode.
 
 use super::{Fingerprint, Knowledge, LinkError, Response, Session, next_number};
@@ -8,10 +8,11 @@ use amp::config::Config;
 use amp::controller::{Command, Event, Motion, Outputs, Progress, StopReason};
 use amp::fixed::Mask;
 use amp::som::Grid;
+use amp::turret::BodySpec;
 use amp::units::{Millis, Range};
 use amp::wire::message::{
-    Clock, DeviceMessage, GoalSpec, LogEvent, ModeReport, MotionCommand, Refusal, Report,
-    RobotCommand, TimedEcho, TransferPart,
+    DeviceMessage, GoalSpec, LogEvent, ModeReport, MotionCommand, Refusal, Report, RobotCommand,
+    TimedEcho, TransferPart,
 };
 use amp::wire::{HostMessage, message};
 use sim::error::EpisodeError;
@@ -26,7 +27,7 @@ const HEARTBEAT_MS: u32 = amp::link::SILENCE_MS / 2;
 /// Interval of the queries whether the controller still learns.
 const LEARN_POLL: Duration = Duration::from_millis(500);
 
-/// Limit for learning; the F405 takes an eighth of a second.
+/// Limit for learning and for finding the sensors; the F405 takes a second or two.
 const LEARN_TIMEOUT: Duration = Duration::from_secs(60);
 
 /// A controller at the other end of a link, for one episode. It owns its session (`Session`) or
@@ -34,6 +35,8 @@ const LEARN_TIMEOUT: Duration = Duration::from_secs(60);
 pub struct RemoteController<S> {
     session: S,
     config: Config<16>,
+    /// The body, as it was told.
+    body: Option<BodySpec<16>>,
     /// Transducers that the controller's fault detector has disabled.
     disabled: Mask,
     found: Fingerprint,
@@ -44,30 +47,36 @@ pub struct RemoteController<S> {
     motion: Option<(u16, u8)>,
     /// A stop command was sent and is not yet confirmed.
     stopping: bool,
-    /// The controller learns.
-    learning: bool,
+    /// The controller learns, or finds where the sensors look.
+    thinking: bool,
     knowledge: Box<SimState>,
     error: Option<LinkError>,
 }
 
 impl<S: BorrowMut<Session>> RemoteController<S> {
-    /// Opens session `number` and the next one: writes the configuration, clears the knowledge and
-    /// checks both.
+    /// Opens session `number` and the next one: writes the configuration and the body (`None` = a
+    /// ring on a held turret), clears the knowledge and checks it and the configuration.
     ///
     /// # Errors
     /// [`LinkError`].
-    pub fn start(mut session: S, number: u16, config: &Config<16>) -> Result<Self, LinkError> {
-        let (found, fresh) = open_fresh(session.borrow_mut(), number, config)?;
+    pub fn start(
+        mut session: S,
+        number: u16,
+        config: &Config<16>,
+        body: Option<&BodySpec<16>>,
+    ) -> Result<Self, LinkError> {
+        let (found, fresh) = session.borrow_mut().open_fresh(number, config, body)?;
         Ok(Self {
             session,
             config: config.clone(),
+            body: body.cloned(),
             disabled: Mask::NONE,
             found,
             fresh,
             last_sent: Millis::from_ms(0),
             motion: None,
             stopping: false,
-            learning: false,
+            thinking: false,
             knowledge: Box::new(SimState::new(Grid::rectangle(4, 4))),
             error: None,
         })
@@ -81,10 +90,10 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
     pub fn restart(&mut self, config: &Config<16>) -> Result<(), LinkError> {
         let session = self.session.borrow_mut();
         let number = next_number(session.number());
-        (self.found, self.fresh) = open_fresh(session, number, config)?;
+        (self.found, self.fresh) = session.open_fresh(number, config, self.body.as_ref())?;
         (self.config, self.disabled) = (config.clone(), Mask::NONE);
         (self.last_sent, self.motion, self.error) = (Millis::from_ms(0), None, None);
-        self.learning = false;
+        self.thinking = false;
         Ok(())
     }
 
@@ -140,7 +149,7 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
                 },
             ),
             Event::Command(command) => self.command(at, command),
-            Event::Tick if self.learning => self.wait_until_learned(LEARN_TIMEOUT),
+            Event::Tick if self.thinking => self.wait_until_idle(LEARN_TIMEOUT),
             Event::Tick => self.tick(at),
             // Alarms come from the controller's side of the link.
             Event::Alarm(_) | Event::Touched => Ok(Outputs::NONE),
@@ -173,11 +182,20 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
             }
             Command::Stop => RobotCommand::Stop,
             Command::Resume => RobotCommand::Resume,
+            Command::Calibrate {
+                moves,
+                seed,
+                actuators,
+            } => RobotCommand::Calibrate {
+                moves,
+                seed,
+                actuators,
+            },
         };
         let done = self.send_command(at, wire_command);
         self.stopping = false;
         let is_done = matches!(&done, Ok(outputs) if outputs.refusal.is_none());
-        self.learning = is_done && command == Command::Learn;
+        self.thinking = is_done && command == Command::Learn;
         done
     }
 
@@ -265,7 +283,10 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
             DeviceMessage::Mode(ModeReport::Stopped(reason)) => {
                 return Err(LinkError::Stopped(*reason));
             }
-            DeviceMessage::Mode(_) => outputs.mode_changed = true,
+            DeviceMessage::Mode(mode) => {
+                outputs.mode_changed = true;
+                self.thinking |= *mode == ModeReport::Calibrate;
+            }
             DeviceMessage::Log(LogEvent::SensorDisabled { sensor, .. }) => {
                 self.disabled = self.disabled.with((*sensor).into());
             }
@@ -284,8 +305,8 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
     }
 
     /// Waits until the controller has learned, for `limit` at most.
-    fn wait_until_learned(&mut self, limit: Duration) -> Result<Outputs<16>, LinkError> {
-        self.learning = false;
+    fn wait_until_idle(&mut self, limit: Duration) -> Result<Outputs<16>, LinkError> {
+        self.thinking = false;
         let end = Instant::now() + limit;
         let mut outputs = Outputs::NONE;
         while !outputs.mode_changed {
@@ -297,15 +318,15 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
             match self.session.borrow_mut().next_report(until)? {
                 Some(report) => self.take(&report, &mut outputs)?,
                 // The report may have been lost.
-                None => outputs.mode_changed = !self.is_learning()?,
+                None => outputs.mode_changed = !self.is_thinking()?,
             }
         }
         Ok(outputs)
     }
 
-    fn is_learning(&mut self) -> Result<bool, LinkError> {
+    fn is_thinking(&mut self) -> Result<bool, LinkError> {
         let mode = self.session.borrow_mut().mode()?;
-        Ok(mode == ModeReport::Learn)
+        Ok(matches!(mode, ModeReport::Learn | ModeReport::Calibrate))
     }
 
     fn record_error(&mut self, result: Result<Outputs<16>, LinkError>) -> Outputs<16> {
@@ -331,7 +352,11 @@ impl<S: BorrowMut<Session>> Pilot for RemoteController<S> {
         if self.error.is_some() {
             return (echoes.len(), Outputs::NONE);
         }
-        let count = batch(echoes, self.enabled());
+        // Each echo of a body's sensors may shorten its motion.
+        let count = match &self.body {
+            None => batch(echoes, self.enabled()),
+            Some(_) => 1,
+        };
         let result = self.send_echoes(at, echoes.get(..count).unwrap_or(echoes));
         (count, self.record_error(result))
     }
@@ -348,26 +373,10 @@ impl<S: BorrowMut<Session>> InspectableController for RemoteController<S> {
         self.knowledge = read.map_err(EpisodeError::from)?;
         Ok(&self.knowledge)
     }
-}
 
-/// Opens two sessions; returns the fingerprints before and after the configuration was written and
-/// the knowledge cleared.
-fn open_fresh(
-    session: &mut Session,
-    number: u16,
-    config: &Config<16>,
-) -> Result<(Fingerprint, Fingerprint), LinkError> {
-    let fresh = Fingerprint::fresh(config)?;
-    session.expect_open_space(config.open_space);
-    let found = Fingerprint::from(&session.open(number, Clock::Host)?);
-    // A learning controller accepts no configuration.
-    session.command(0, RobotCommand::Stop)?;
-    session.write_part(TransferPart::Config, &Knowledge::encode_config(config)?)?;
-    session.command(0, RobotCommand::Forget)?;
-    let hello = session.open(next_number(session.number()), Clock::Host)?;
-    match Fingerprint::from(&hello).differences(&fresh).first() {
-        Some(what) => Err(LinkError::Mismatch { what }),
-        None => Ok((found, fresh)),
+    fn body(&mut self) -> Result<Option<BodySpec<16>>, EpisodeError> {
+        let bytes = self.session.borrow_mut().read_part(TransferPart::Body);
+        Ok(BodySpec::from_bytes(&bytes.map_err(EpisodeError::from)?))
     }
 }
 
@@ -426,12 +435,13 @@ mod tests {
             controller: InProcessNode::new(config.clone()),
             began: Instant::now(),
         };
-        let mut controller = RemoteController::start(Session::new(learner), 1, &config).unwrap();
+        let mut controller =
+            RemoteController::start(Session::new(learner), 1, &config, None).unwrap();
         let limit = Duration::from_millis(200);
         let timed_out = Err(LinkError::Learning { waited: limit });
         let ends = |controller: &mut RemoteController<Session>, what| {
             let began = Instant::now();
-            assert_eq!(controller.wait_until_learned(limit), timed_out, "{what}");
+            assert_eq!(controller.wait_until_idle(limit), timed_out, "{what}");
             assert!(began.elapsed() < Duration::from_millis(700), "{what}");
         };
         ends(&mut controller, "it reports that it learns");

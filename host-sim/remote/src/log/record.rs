@@ -103,6 +103,15 @@ pub enum EventKind {
     Stop,
     /// Resume what a stop interrupted.
     Resume,
+    /// Find where the body's sensors look.
+    Calibrate {
+        /// Number of random moves for that.
+        moves: u16,
+        /// Their seed.
+        seed: u64,
+        /// Whether to find as well what the base makes of its commands.
+        actuators: bool,
+    },
     /// Several ticks in a row. A remote controller may need another number of them.
     Ticks {
         /// Number of ticks.
@@ -183,6 +192,15 @@ impl EventKind {
             Event::Command(Command::Seek(goal)) => Self::Seek(goal),
             Event::Command(Command::Stop) => Self::Stop,
             Event::Command(Command::Resume) => Self::Resume,
+            Event::Command(Command::Calibrate {
+                moves,
+                seed,
+                actuators,
+            }) => Self::Calibrate {
+                moves,
+                seed,
+                actuators,
+            },
             Event::Tick => Self::Ticks {
                 count: 1,
                 done: false,
@@ -216,6 +234,15 @@ impl EventKind {
             Self::Seek(goal) => Event::Command(Command::Seek(goal)),
             Self::Stop => Event::Command(Command::Stop),
             Self::Resume => Event::Command(Command::Resume),
+            Self::Calibrate {
+                moves,
+                seed,
+                actuators,
+            } => Event::Command(Command::Calibrate {
+                moves,
+                seed,
+                actuators,
+            }),
             Self::Alarm(reason) => Event::Alarm(reason),
             Self::Touched => Event::Touched,
         })

@@ -88,6 +88,7 @@ impl Summary {
             EventKind::Seek(_) => "seek",
             EventKind::Stop => "stop",
             EventKind::Resume => "resume",
+            EventKind::Calibrate { .. } => "calibrate",
             EventKind::Alarm(_) => "alarm",
             EventKind::Touched => "bumper",
             EventKind::Configure(_) => "other choices",

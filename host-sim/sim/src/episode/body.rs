@@ -133,7 +133,10 @@ impl<'w> Body<'w> {
             (Some(robot), true) => self.ideal_step(pilot, &Arc::clone(robot)),
             (Some(robot), false) => self.timed_step(pilot, &Arc::clone(robot)),
         };
-        self.tick(pilot, &mut result);
+        // After a change of mode the caller has the next word.
+        if !result.mode_changed {
+            self.tick(pilot, &mut result);
+        }
         let way = self.base.pose().position - before;
         result.collision = self.advance_leader(self.time_s - before_s, way);
         result
@@ -288,6 +291,11 @@ impl<'w> Body<'w> {
     #[must_use]
     pub fn pose(&self) -> Pose {
         self.base.pose()
+    }
+
+    /// Number of the latest motion.
+    pub(super) fn motion_id(&self) -> u16 {
+        self.motion.id
     }
 
     /// Whether the base moves.

@@ -1,28 +1,50 @@
-//! Random moves that teach a pilot where its sensors look.
+//! Random moves that teach a controller where its sensors look.
 
+use super::Seeds;
 use super::drive::EpisodeRunner;
+use super::setup::Setup;
 use crate::error::EpisodeError;
 use crate::pilot::Pilot;
 
 impl EpisodeRunner<'_> {
-    /// Drives until the pilot knows where its sensors look. Each of its moves is a step.
-    pub(super) fn calibrate(&mut self, pilot: &mut impl Pilot) -> Result<(), EpisodeError> {
-        let mut last = pilot.calibration_moves_left();
+    /// Drives until the controller knows where its sensors look, if it is not told. Each of its
+    /// moves is a step.
+    pub(super) fn calibrate(
+        &mut self,
+        pilot: &mut impl Pilot,
+        setup: &Setup,
+    ) -> Result<(), EpisodeError> {
+        let seed = Seeds::of(setup.seed).exploration.wrapping_add(1);
+        let robot = setup.robot.as_ref();
+        let calibration = robot.and_then(|robot| robot.calibration(setup.explore_moves, seed));
+        let Some(calibration) = calibration else {
+            return Ok(());
+        };
+        self.command(pilot, calibration)?;
         let mut moved_s = self.body.time_s();
-        while let Some(left) = pilot.calibration_moves_left() {
+        let mut motion = self.body.motion_id();
+        loop {
             let result = self.body.advance(pilot);
-            if last != Some(left) {
-                self.close();
-                (last, moved_s) = (Some(left), self.body.time_s());
+            pilot.failure().map_or(Ok(()), Err)?;
+            if let Some(reason) = result.stopped {
+                return Err(EpisodeError::Stopped(reason));
             }
-            self.open.get_or_insert_default();
+            if motion != self.body.motion_id() {
+                motion = self.body.motion_id();
+                self.close();
+                self.open.get_or_insert_default();
+                moved_s = self.body.time_s();
+            }
             self.follow(&result);
+            if result.mode_changed {
+                break;
+            }
             let silent_s = f64::from(Self::MAX_SILENT_RINGS) * self.body.ring_s();
             if self.body.time_s() - moved_s > silent_s {
                 return Err(EpisodeError::Silent);
             }
         }
         self.close();
-        Ok(())
+        self.think(pilot)
     }
 }

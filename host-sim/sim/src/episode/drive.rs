@@ -62,19 +62,8 @@ pub fn run(
             run_with(world, setup, &mut controller, progress)
         }
         Some(robot) => {
-            let mut controller = match robot.geometry() {
-                Origin::Known => TurretController::new(setup.config.clone(), robot),
-                Origin::Learned => {
-                    let moves = setup.calibration_moves();
-                    let seed = Seeds::of(setup.seed).exploration.wrapping_add(1);
-                    TurretController::babbling(setup.config.clone(), robot, moves, seed)
-                }
-            };
-            let mut episode = run_with(world, setup, &mut controller, progress)?;
-            if robot.geometry() == Origin::Learned {
-                episode.bearing_errors_deg = robot.bearing_errors_deg(controller.body());
-            }
-            Ok(episode)
+            let mut controller = TurretController::new(setup.config.clone(), robot);
+            run_with(world, setup, &mut controller, progress)
         }
     }
 }
@@ -125,10 +114,18 @@ pub fn run_observed<'w>(
         }
         None => None,
     };
+    let learns = setup
+        .robot
+        .as_ref()
+        .filter(|robot| robot.geometry() == Origin::Learned);
+    let bearing_errors_deg = match (learns, controller.body()?) {
+        (Some(robot), Some(body)) => robot.bearing_errors_deg(&body),
+        _ => None,
+    };
     Ok(Episode {
         report,
         recording,
-        bearing_errors_deg: None,
+        bearing_errors_deg,
     })
 }
 
@@ -149,7 +146,7 @@ pub(super) fn explored<'w>(
     let mut runner = EpisodeRunner::new(world, body, setup.record);
     runner.observer = observer;
 
-    runner.calibrate(controller)?;
+    runner.calibrate(controller, setup)?;
     let explore_moves = setup.explore_moves - setup.calibration_moves();
     let moves = u32::from(explore_moves);
     runner.command(
@@ -279,6 +276,11 @@ impl<'w> EpisodeRunner<'w> {
 
     fn learn(&mut self, controller: &mut impl Pilot) -> Result<(), EpisodeError> {
         self.command(controller, Command::Learn)?;
+        self.think(controller)
+    }
+
+    /// Lets time pass until the controller has worked something out.
+    pub(super) fn think(&mut self, controller: &mut impl Pilot) -> Result<(), EpisodeError> {
         while !controller.handle(self.body.now(), Event::Tick).mode_changed {
             controller.failure().map_or(Ok(()), Err)?;
         }

@@ -10,6 +10,9 @@ use amp::scan::Encoding;
 use amp::turret::{BodySpec, Mount};
 use amp::units::Displacement;
 
+/// Distance from the body that a random move leaves while it finds its sensors, mm of the Nomad's.
+const BABBLE_MARGIN_MM: u16 = 30;
+
 impl AnyRobot {
     /// The body as the controller is told.
     #[must_use]
@@ -43,6 +46,7 @@ impl AnyRobot {
             silence_mm: self.silence_mm(),
             most_unseen: if self.has_few_sensors() { 4 } else { u8::MAX },
             guard_mm: guard_m.map(|m| (m * 1e3).round() as u16),
+            babble_margin_mm: self.scaled_mm(BABBLE_MARGIN_MM),
         }
     }
 

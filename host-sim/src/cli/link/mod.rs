@@ -194,6 +194,7 @@ impl DurationArgs {
 pub(super) fn link(args: &LinkArgs, out: &mut impl Write) -> Result<(), CliError> {
     let emulation = Emulation {
         firmware: args.firmware.clone(),
+        any_body: false,
         verbose: args.verbose,
     };
     // Arguments are checked before the controller is contacted.

@@ -79,6 +79,8 @@ impl WatchedBoard {
             ModeReport::Learn => ("learn", 0.5),
             ModeReport::Seek => ("seek", 0.0),
             ModeReport::Stopped(_) => ("stopped", 0.0),
+            ModeReport::Babble { left } => ("babble", 1.0 - f64::from(left) / moves),
+            ModeReport::Calibrate => ("calibrate", 0.5),
         }
     }
 }

@@ -173,6 +173,8 @@ impl WatchedLog {
             Mode::Learn { .. } => ("learn", 0.5),
             Mode::Seek { .. } => ("seek", 0.0),
             Mode::Stopped(_) => ("stopped", 0.0),
+            Mode::Babble { left } => ("babble", 1.0 - f64::from(*left) / moves),
+            Mode::Calibrate => ("calibrate", 0.5),
         }
     }
 }

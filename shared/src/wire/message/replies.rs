@@ -150,6 +150,13 @@ pub enum ModeReport {
     Seek,
     /// Standing, for a reason.
     Stopped(StopReason),
+    /// Random moves that teach where the sensors look, so many left.
+    Babble {
+        /// Moves left.
+        left: u16,
+    },
+    /// Finding where they look.
+    Calibrate,
 }
 
 impl<const SENSORS: usize> From<&Mode<SENSORS>> for ModeReport {
@@ -160,6 +167,8 @@ impl<const SENSORS: usize> From<&Mode<SENSORS>> for ModeReport {
             Mode::Learn { .. } => Self::Learn,
             Mode::Seek { .. } => Self::Seek,
             Mode::Stopped(reason) => Self::Stopped(*reason),
+            Mode::Babble { left } => Self::Babble { left: *left },
+            Mode::Calibrate => Self::Calibrate,
         }
     }
 }
@@ -233,4 +242,6 @@ pub enum Refusal {
     NoSuchGoal,
     /// The goal was not saved: an invalid name, or too many goals.
     InvalidGoalName,
+    /// The bytes are no body, or this program is for a held ring only.
+    Body,
 }

@@ -67,7 +67,7 @@ pub enum HostMessage<const SENSORS: usize> {
         offset: u16,
         /// The chunk.
         bytes: Vec<u8, MAX_CHUNK>,
-        /// It is the last one: a configuration takes effect.
+        /// It is the last one: a configuration or a body takes effect.
         last: bool,
     },
     /// Asks for the counters.
@@ -160,6 +160,15 @@ pub enum RobotCommand<const SENSORS: usize> {
     Resume,
     /// Forget samples, maps and goals. What was saved stays saved.
     Forget,
+    /// Find where the body's sensors look.
+    Calibrate {
+        /// Number of random moves for that.
+        moves: u16,
+        /// Their seed.
+        seed: u64,
+        /// Whether to find as well what the base makes of its commands.
+        actuators: bool,
+    },
 }
 
 /// Ways to specify a goal.

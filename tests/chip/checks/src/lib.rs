@@ -18,6 +18,8 @@ pub struct BoardImage {
     pub program: &'static str,
     /// Target.
     pub target: &'static str,
+    /// Features to enable. Images that differ in these only replace each other.
+    pub features: &'static str,
 }
 
 /// The F405 board whose image is examined; the other one differs only in its pins.
@@ -25,6 +27,13 @@ pub const OLIMEX_H405: BoardImage = BoardImage {
     package: "stm32f405",
     program: "olimex_h405",
     target: TARGET,
+    features: "",
+};
+
+/// The same for sensors anywhere on the body.
+pub const OLIMEX_H405_ANY_BODY: BoardImage = BoardImage {
+    features: "any-body",
+    ..OLIMEX_H405
 };
 
 /// The board with the least memory.
@@ -32,6 +41,7 @@ pub const MICROBIT: BoardImage = BoardImage {
     package: "microbit",
     program: "microbit",
     target: "thumbv6m-none-eabi",
+    features: "",
 };
 
 /// Addresses of the F405's RAM.
@@ -105,9 +115,15 @@ pub fn image(board: &BoardImage) -> PathBuf {
         package,
         program,
         target,
+        features,
     } = board;
+    let features = if features.is_empty() {
+        String::new()
+    } else {
+        format!(" --features {features}")
+    };
     let line = format!(
-        "build --locked --package {package} --bin {program} --profile chip --target {target}"
+        "build --locked --package {package} --bin {program} --profile chip --target {target}{features}"
     );
     let output = cargo(&project(), &line);
     let stderr = String::from_utf8_lossy(&output.stderr);

@@ -3,7 +3,7 @@
 use checks::{TARGET, cargo, rows, workspace};
 
 /// Limits by the start of a row: instructions, mean and of the longest call.
-const BUDGETS: [(&str, u64, u64); 9] = [
+const BUDGETS: [(&str, u64, u64); 10] = [
     ("best-matching unit, 16 × 16, by kernels", 500, 500),
     ("situation map learns, winner and 4 neighbors", 450, 450),
     (
@@ -17,6 +17,7 @@ const BUDGETS: [(&str, u64, u64); 9] = [
     ("decision: after a leader", 20_000, 30_000),
     ("decision: avoid by the paper's four steps", 20_000, 30_000),
     ("**learning**", 30_000_000, 30_000_000),
+    ("body: echo at rest", 20_000, 20_000),
 ];
 
 fn table(package: &str) -> String {
@@ -33,7 +34,7 @@ fn table(package: &str) -> String {
 #[test]
 fn no_call_takes_more_instructions_than_allowed() {
     let table = table("counts");
-    within_bounds(&table, 22);
+    within_bounds(&table, 29);
     let rows = rows(&table);
     for (call, mean, most) in BUDGETS {
         let row = rows.iter().find(|row| row.call.starts_with(call));

@@ -1,8 +1,9 @@
-//! The firmware's image for the board fits its budget of flash and RAM.
+//! The firmware's images for the board fit their budgets of flash and RAM.
 //!
-//! `FIRMWARE_ELF` names another image to measure.
+//! `FIRMWARE_ELF` names another image to measure as the first.
 
-use checks::{ImageSizes, board_image, sizes};
+use checks::{ImageSizes, OLIMEX_H405, OLIMEX_H405_ANY_BODY, board_image, image, sizes};
+use std::path::Path;
 
 const KIB: u64 = 1_024;
 
@@ -14,27 +15,45 @@ const LIMITS: ImageSizes = ImageSizes {
     initialized: 256,
 };
 
+/// With points of echoes, and what finds the sensors of a body.
+const ANY_BODY_LIMITS: ImageSizes = ImageSizes {
+    flash: 112 * KIB,
+    ram: 32 * KIB,
+    ..LIMITS
+};
+
+// One after the other: the images replace each other.
 #[test]
-fn the_firmware_fits_its_budget() {
-    let path = board_image();
-    let elf = std::fs::read(&path).expect("the image can be read");
+fn the_firmware_fits_its_budgets() {
+    check("", &board_image(), &LIMITS);
+    check(
+        ", any body",
+        &image(&OLIMEX_H405_ANY_BODY),
+        &ANY_BODY_LIMITS,
+    );
+    // Other tests examine this one.
+    let _ = image(&OLIMEX_H405);
+}
+
+fn check(name: &str, path: &Path, limits: &ImageSizes) {
+    let elf = std::fs::read(path).expect("the image can be read");
     let ImageSizes {
         flash,
         ram,
         initialized,
     } = sizes(&elf).expect("the image is an ELF file");
-    println!("| memory | bytes | allowed |\n| --- | ---: | ---: |");
-    println!("| flash | {flash} | {} |", LIMITS.flash);
-    println!("| static memory | {ram} | {} |", LIMITS.ram);
+    println!("| memory{name} | bytes | allowed |\n| --- | ---: | ---: |");
+    println!("| flash{name} | {flash} | {} |", limits.flash);
+    println!("| static memory{name} | {ram} | {} |", limits.ram);
     println!(
-        "| of it kept in flash | {initialized} | {} |",
-        LIMITS.initialized
+        "| of it kept in flash{name} | {initialized} | {} |\n",
+        limits.initialized
     );
     assert!(flash > 0 && ram > 0, "{}: no image", path.display());
-    assert!(flash <= LIMITS.flash, "{flash} bytes of flash");
-    assert!(ram <= LIMITS.ram, "{ram} bytes of static memory");
+    assert!(flash <= limits.flash, "{flash} bytes of flash");
+    assert!(ram <= limits.ram, "{ram} bytes of static memory");
     assert!(
-        initialized <= LIMITS.initialized,
+        initialized <= limits.initialized,
         "{initialized} bytes of statics are kept in flash"
     );
 }

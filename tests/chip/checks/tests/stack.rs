@@ -3,8 +3,8 @@
 //! It assumes that each task is interrupted at its deepest by each task of higher priority.
 
 use checks::stack::{Calls, Deepest};
-use checks::{MICROBIT, board_image, image};
-use std::path::Path;
+use checks::{MICROBIT, OLIMEX_H405_ANY_BODY, board_image, image};
+use std::path::{Path, PathBuf};
 
 /// The tasks of a board and its stack.
 struct Load {
@@ -28,6 +28,11 @@ const F405_LOAD: Load = Load {
     ],
     entry: 4 * (8 + 18 + 1),
     region: 8_192,
+};
+/// The same for sensors anywhere on the body.
+const F405_ANY_BODY_LOAD: Load = Load {
+    name: "F405, any body",
+    ..F405_LOAD
 };
 /// No floating-point unit (ARMv6-M Architecture Reference Manual, B1.5.6). Region: microbit.x.
 const MICROBIT_LOAD: Load = Load {
@@ -85,11 +90,17 @@ fn check(load: &Load, calls: &Calls, beneath: u32, alone: u32) {
 /// Start-up runs with interrupts disabled; the tasks interrupt only the sleeping loop.
 #[test]
 fn the_deepest_stack_of_the_f405_stays_within_its_region() {
-    let calls = calls(&board_image());
-    print_frames(&calls, &deepest(&calls, "FSMC"));
-    let main = deepest(&calls, "main");
-    let idle = calls.function(main.chain[0]).expect("main").frame;
-    check(&F405_LOAD, &calls, idle, main.bytes);
+    // One after the other: the images replace each other.
+    let any_body = || image(&OLIMEX_H405_ANY_BODY);
+    let images: [(Load, &dyn Fn() -> PathBuf); 2] =
+        [(F405_ANY_BODY_LOAD, &any_body), (F405_LOAD, &board_image)];
+    for (load, image) in images {
+        let calls = calls(&image());
+        print_frames(&calls, &deepest(&calls, "FSMC"));
+        let main = deepest(&calls, "main");
+        let idle = calls.function(main.chain[0]).expect("main").frame;
+        check(&load, &calls, idle, main.bytes);
+    }
 }
 
 /// The control task is part of `main`.

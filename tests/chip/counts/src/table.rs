@@ -5,7 +5,7 @@
 
 use crate::episode::CountedEpisode;
 use crate::stopwatch::{InstructionStats, Stopwatch};
-use crate::{link, maps, reference};
+use crate::{body, link, maps, reference};
 use amp::config::Config;
 use amp::controller::NomadState;
 use amp::node::NomadNode;
@@ -17,6 +17,8 @@ use stm32f4xx_hal as _;
 
 #[entry]
 fn main() -> ! {
+    static mut SENSORS: body::Sensors = body::Sensors::new();
+    let sensors: &'static mut body::Sensors = SENSORS;
     let chip = cortex_m::Peripherals::take().expect("not taken yet");
     let watch = Stopwatch::new(chip.SYST);
     reference::compare();
@@ -26,11 +28,13 @@ fn main() -> ! {
     print_maps(&watch, &episode);
     print_episode(&episode);
     print_link(&watch, &episode);
+    print_body(&body::episode(&watch, sensors));
     hprintln!();
     hprintln!("| what | bytes |");
     hprintln!("| --- | ---: |");
     hprintln!("| `NomadState` | {} |", size_of::<NomadState>());
     hprintln!("| `NomadNode` | {} |", size_of::<NomadNode>());
+    hprintln!("| `MountedSensors` | {} |", size_of::<body::Sensors>());
     debug::exit(debug::EXIT_SUCCESS);
     loop {
         cortex_m::asm::wfi();
@@ -103,6 +107,26 @@ fn print_link(watch: &Stopwatch, episode: &CountedEpisode<'_>) {
         counts.decision,
         114_700,
     );
+}
+
+fn print_body(counts: &body::BodyCounts) {
+    row("body: echo at rest, with 256 points", counts.echo, 14_750);
+    row("body: echo on the way", counts.on_the_way, 69_080);
+    row(
+        "body: **decision** (last echo of the ring): avoid",
+        counts.decision,
+        119_600,
+    );
+    row("body: report of the base", counts.odometry, 8_030);
+    row(
+        "body: echo while it finds its sensors",
+        counts.babble,
+        14_310,
+    );
+    row("body: step to where they are", counts.step, 389_290);
+    let mut whole = InstructionStats::default();
+    whole.add(counts.step.sum());
+    row("body: all steps", whole, 122_100_000);
 }
 
 fn row(call: &str, stats: InstructionStats, allowed: u32) {

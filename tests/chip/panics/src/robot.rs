@@ -4,7 +4,8 @@ use crate::arithmetic::{bearing, displacement, echo, mask, now, weight};
 use crate::maps::grid;
 use crate::{any, bytes, format_text, sink};
 use amp::action_map::ActionMap;
-use amp::config::Config;
+use amp::body::{Body as _, MountedSensors};
+use amp::config::{Config, MAX_CONFIG};
 use amp::controller::{self, Command, Event, NomadState, Progress, StatePart, StopReason};
 use amp::goal::{Component, Goal};
 use amp::memory::{Memory, Sample};
@@ -23,6 +24,7 @@ pub fn all() {
     configs();
     memories();
     events();
+    bodies();
     parts();
 }
 
@@ -123,6 +125,11 @@ fn event() -> Event<16> {
             progress: any(Progress::Ended),
         },
         2 => Event::Command(any(Command::Seek(goal()))),
+        5 => Event::Command(any(Command::Calibrate {
+            moves: 20,
+            seed: 1,
+            actuators: true,
+        })),
         3 => Event::Alarm(any(StopReason::LinkLost)),
         4 => Event::Touched,
         _ => Event::Tick,
@@ -134,6 +141,16 @@ fn events() {
     sink(controller::handle(&config(), &mut state, now(), event()));
     sink((state.is_moving(), *state.mode()));
     sink(state);
+}
+
+fn bodies() {
+    let mut state = any(NomadState::new(grid()));
+    let mut body = any(MountedSensors::<16, 16, 256>::new());
+    sink(body.handle(&config(), &mut state, now(), event()));
+    sink(body.replace(bytes()));
+    let mut room = any([0; MAX_CONFIG]);
+    sink(body.to_bytes(&mut room));
+    sink((body, state));
 }
 
 fn parts() {

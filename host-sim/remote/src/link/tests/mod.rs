@@ -7,13 +7,16 @@ use amp::parameters::{Parameter, ParameterError};
 use amp::units::{Bearing, Displacement, Millis, Range};
 use amp::wire::message::{Clock, Refusal, RobotCommand, TransferPart};
 use arena::robot::TurretMode;
+use arena::robot_model::RobotModel;
 use arena::sonar::SonarModel;
 use arena::world::World;
 use sim::behavior::Behavior;
 use sim::episode::{Episode, Setup, run, run_with};
 use sim::error::EpisodeError;
 use sim::pilot::{AgedEcho, LocalController, Pilot as _};
+use sim::robot::{AnyRobot, Origin, Ranges};
 use sim::settings;
+use sim::turret_pilot::SimBody;
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -45,9 +48,50 @@ fn here(world: &World, setup: &Setup) -> Episode {
 
 fn there(session: &mut Session, world: &World, setup: &Setup) -> Result<Episode, EpisodeError> {
     let number = session.number() + 1;
-    let mut controller =
-        RemoteController::start(session, number, &setup.config).map_err(EpisodeError::from)?;
+    let body = setup.robot.as_ref().map(AnyRobot::body);
+    let started = RemoteController::start(session, number, &setup.config, body.as_ref());
+    let mut controller = started.map_err(EpisodeError::from)?;
     run_with(world, setup, &mut controller, |_, _, _| {})
+}
+
+/// Sensors anywhere on the body: known, and found by the controller.
+#[test]
+fn another_robot_is_the_same_at_the_other_end_of_a_link() {
+    for (sonar, geometry) in [
+        (SonarModel::Ideal, Origin::Known),
+        (SonarModel::Nomad, Origin::Learned),
+    ] {
+        let model = RobotModel::builtin("thymio2").unwrap();
+        let robot = AnyRobot::new(model, Ranges::Nomad, true).unwrap();
+        let robot = robot.scrambled(3).with_geometry(geometry).unwrap();
+        let setup = Setup {
+            config: robot.config(Config::recommended()),
+            robot: Some(robot),
+            ..setup(sonar, 60, 40)
+        };
+        let world = World::random(5);
+        let node = InProcessNode::<16, SimBody>::of_body(Config::recommended());
+        let mut session = Session::new(Box::new(node));
+        let far = there(&mut session, &world, &setup).unwrap();
+        let near = here(&world, &setup);
+        assert_same(&far, &near);
+        assert_eq!(far.bearing_errors_deg, near.bearing_errors_deg);
+        assert_eq!(
+            far.bearing_errors_deg.is_some(),
+            geometry == Origin::Learned
+        );
+    }
+}
+
+#[test]
+fn a_program_for_a_ring_refuses_a_body() {
+    let model = RobotModel::builtin("thymio2").unwrap();
+    let robot = AnyRobot::new(model, Ranges::Own, true).unwrap();
+    let mut session = Session::new(Box::new(InProcessNode::<16>::new(Config::recommended())));
+    let started =
+        RemoteController::start(&mut session, 1, &Config::recommended(), Some(&robot.body()));
+    let refused = started.err();
+    assert_eq!(refused, Some(LinkError::Refused(Refusal::Body)));
 }
 
 fn assert_same(there: &Episode, here: &Episode) {
@@ -102,7 +146,7 @@ fn what_a_mind_had_before_is_named_and_gone() {
     let mut session = local();
     let setup = setup(SonarModel::Ideal, 30, 10);
     let replaced = |session: &mut Session, number, config: &Config<16>| {
-        RemoteController::start(session, number, config)
+        RemoteController::start(session, number, config, None)
             .unwrap()
             .replaced()
     };
@@ -267,7 +311,7 @@ impl LocalAndRemote {
         let (config, sent) = (Config::recommended(), Arc::default());
         let line = Counted(InProcessNode::new(config.clone()), Arc::clone(&sent));
         let mut both = Self {
-            there: RemoteController::start(Session::new(line), 1, &config).unwrap(),
+            there: RemoteController::start(Session::new(line), 1, &config, None).unwrap(),
             here: LocalController::new(config),
             sent,
         };

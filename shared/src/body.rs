@@ -1,0 +1,70 @@
+//! What stands between a robot's transducers and the controller.
+//!
+//! | body | transducers |
+//! |---|---|
+//! | [`HeldRing`] | an even ring that keeps its bearing in the world: the controller hears it as it is |
+//! | [`MountedSensors`] | anywhere on the body, known or to be found: behind a [virtual turret](crate::turret) |
+
+use crate::config::Config;
+#[cfg(feature = "store")]
+use crate::config::MAX_CONFIG;
+use crate::controller::{self, Event, Outputs, State};
+use crate::units::Millis;
+
+mod mounted_sensors;
+
+pub use mounted_sensors::MountedSensors;
+
+/// Hands events of the robot to the controller, and its motions back.
+pub trait Body<const SENSORS: usize> {
+    /// A body of which nothing is known yet. All zeros: a static one takes no flash.
+    const NEW: Self;
+
+    /// Handles an event as [`controller::handle`] does.
+    fn handle<const NEURONS: usize, const SAMPLES: usize>(
+        &mut self,
+        config: &Config<SENSORS>,
+        state: &mut State<SENSORS, NEURONS, SAMPLES>,
+        at: Millis,
+        event: Event<SENSORS>,
+    ) -> Outputs<SENSORS>;
+
+    /// The body as it is known, in postcard's form; nothing if there is nothing to be told.
+    #[cfg(feature = "store")]
+    fn to_bytes<'a>(&self, buffer: &'a mut [u8; MAX_CONFIG]) -> &'a [u8];
+
+    /// Replaces what is known of the body, for a robot that stands; false for bytes that are no
+    /// body of this kind.
+    #[cfg(feature = "store")]
+    fn replace(&mut self, bytes: &[u8]) -> bool;
+}
+
+/// A ring that keeps its bearing in the world: a [`RobotSpec`](crate::robot::RobotSpec) says all.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct HeldRing;
+
+impl<const SENSORS: usize> Body<SENSORS> for HeldRing {
+    const NEW: Self = Self;
+
+    // The only caller is on the path of every echo.
+    #[inline(always)]
+    fn handle<const NEURONS: usize, const SAMPLES: usize>(
+        &mut self,
+        config: &Config<SENSORS>,
+        state: &mut State<SENSORS, NEURONS, SAMPLES>,
+        at: Millis,
+        event: Event<SENSORS>,
+    ) -> Outputs<SENSORS> {
+        controller::handle(config, state, at, event)
+    }
+
+    #[cfg(feature = "store")]
+    fn to_bytes<'a>(&self, _: &'a mut [u8; MAX_CONFIG]) -> &'a [u8] {
+        &[]
+    }
+
+    #[cfg(feature = "store")]
+    fn replace(&mut self, bytes: &[u8]) -> bool {
+        bytes.is_empty()
+    }
+}

@@ -1,0 +1,268 @@
+//! Sensors anywhere on a body: told where they look, or finding it by random moves.
+
+use super::Body;
+use crate::calibration::{Babble, BabbleLimits, LearnedBody, Solver};
+use crate::config::Config;
+#[cfg(feature = "store")]
+use crate::config::MAX_CONFIG;
+use crate::controller::{
+    Command, CommandRefusal, Event, Mode, Outputs, Progress, State, handle, refused,
+};
+use crate::fixed::Mask;
+use crate::turret::{self, BodySpec, Mount, VirtualTurret};
+use crate::units::{Displacement, Millis};
+
+/// A body with at most `BEAMS` sensors. The controller sees a ring of `SECTORS`, read off at most
+/// `POINTS` points of echoes. `Event::Echo` counts the sensors; displacements are in the body's
+/// frame, x ahead. Until it is told of its sensors it is a ring on a held turret.
+///
+/// [`Command::Calibrate`] finds where the sensors look: random moves ([`Mode::Babble`]), then ticks
+/// that think ([`Mode::Calibrate`]). The random moves that follow for the maps teach that as well:
+/// [`Command::Learn`] begins with it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MountedSensors<const SECTORS: usize, const BEAMS: usize, const POINTS: usize> {
+    /// As it was told.
+    told: BodySpec<BEAMS>,
+    /// As it is known now.
+    known: BodySpec<BEAMS>,
+    turret: VirtualTurret<SECTORS, POINTS>,
+    babble: Babble<BEAMS>,
+    solver: Solver<BEAMS>,
+    /// Told to calibrate, it is also to find what the base makes of its commands.
+    learns_actuation: bool,
+    /// It was told to calibrate, and has not learned maps since.
+    listens: bool,
+}
+
+impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
+    MountedSensors<SECTORS, BEAMS, POINTS>
+{
+    /// Nothing has been [told](Self::tell): a ring on a held turret.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            told: BodySpec::NONE,
+            known: BodySpec::NONE,
+            turret: VirtualTurret::new(),
+            babble: Babble::new(),
+            solver: Solver::new(),
+            learns_actuation: false,
+            listens: false,
+        }
+    }
+
+    /// Tells what the body is; what was found of another one is forgotten.
+    pub fn tell(&mut self, body: &BodySpec<BEAMS>) {
+        self.told.clone_from(body);
+        self.known.clone_from(body);
+        self.turret.restart();
+        self.listens = false;
+    }
+
+    /// The body as it is known.
+    #[must_use]
+    pub const fn known(&self) -> &BodySpec<BEAMS> {
+        &self.known
+    }
+
+    /// The points, and the ring read off them.
+    #[must_use]
+    pub const fn turret(&self) -> &VirtualTurret<SECTORS, POINTS> {
+        &self.turret
+    }
+
+    fn calibrate<const NEURONS: usize, const SAMPLES: usize>(
+        &mut self,
+        state: &mut State<SECTORS, NEURONS, SAMPLES>,
+        at: Millis,
+        (moves, seed, actuators): (u16, u64, bool),
+    ) -> Outputs<SECTORS> {
+        if moves == 0 {
+            return refused(CommandRefusal::InvalidMoveCount { max: u16::MAX });
+        }
+        self.known.clone_from(&self.told);
+        self.turret.restart();
+        self.babble.begin(moves, seed);
+        self.learns_actuation = actuators;
+        self.listens = true;
+        state.begin_babble(at, moves)
+    }
+
+    /// An event during the body's own random moves.
+    fn babble<const NEURONS: usize, const SAMPLES: usize>(
+        &mut self,
+        config: &Config<SECTORS>,
+        state: &mut State<SECTORS, NEURONS, SAMPLES>,
+        at: Millis,
+        event: Event<SECTORS>,
+    ) -> Outputs<SECTORS> {
+        let was_moving = state.is_moving();
+        let mut outputs = Outputs::NONE;
+        match event {
+            Event::Echo { sensor, range } => {
+                let limits = self.babble_limits(config);
+                let next = self.babble.hear(&limits, sensor.into(), range, was_moving);
+                let left = self.babble.moves_left();
+                outputs.motion = next.map(|next| state.babble(config, at, next, left));
+                if !was_moving && next.is_none() && self.babble.is_over(&limits) {
+                    self.begin_to_solve();
+                    return state.begin_calibration(at);
+                }
+            }
+            Event::Odometry {
+                motion,
+                moved,
+                turned,
+                progress,
+            } => {
+                self.babble.moved(moved, turned);
+                if matches!(progress, Progress::Ended | Progress::Touched) {
+                    state.end_babble(at, motion);
+                }
+            }
+            Event::Command(_) | Event::Tick | Event::Alarm(_) | Event::Touched => {
+                outputs = handle(config, state, at, event);
+            }
+        }
+        if was_moving && !state.is_moving() {
+            self.babble.move_ended();
+        }
+        outputs
+    }
+
+    fn babble_limits(&self, config: &Config<SECTORS>) -> BabbleLimits {
+        let robot = &config.robot;
+        let face_to_hull_mm = robot.body_radius_mm.saturating_sub(robot.face_radius_mm);
+        BabbleLimits {
+            enabled: self.told.enabled,
+            longest_mm: robot.step_mm,
+            margin_mm: face_to_hull_mm.saturating_add(self.told.babble_margin_mm),
+            learns_actuation: self.learns_actuation,
+        }
+    }
+
+    fn begin_to_solve(&mut self) {
+        self.solver
+            .begin(self.babble.calibration(), self.learns_actuation);
+    }
+
+    /// A step of the solution; returns whether it was the last.
+    fn solve(&mut self) -> bool {
+        let found = self.solver.advance(self.babble.calibration());
+        if let Some(found) = &found {
+            self.apply(found);
+        }
+        found.is_some()
+    }
+
+    /// The sensors are where they were found to look, and those that were not are not used.
+    fn apply(&mut self, found: &LearnedBody<BEAMS>) {
+        self.known.clone_from(&self.told);
+        self.known.actuation = found.actuation;
+        self.known.enabled = Mask::NONE;
+        let face_mm = self.known.points.face_radius_mm.into();
+        let mounts = self.known.mounts.iter_mut().zip(&found.bearings);
+        for (sensor, (mount, bearing)) in mounts.enumerate() {
+            if let Some(axis) = *bearing {
+                let position = Displacement::along(axis, face_mm);
+                *mount = Mount { position, axis };
+                self.known.enabled = self.known.enabled.with(sensor);
+            }
+        }
+    }
+
+    /// What the random moves for the maps tell of the sensors.
+    fn listen(&mut self, config: &Config<SECTORS>, event: &Event<SECTORS>) {
+        match *event {
+            Event::Echo { sensor, range } => {
+                let limits = self.babble_limits(config);
+                let _ = self.babble.hear(&limits, sensor.into(), range, true);
+            }
+            Event::Odometry { moved, turned, .. } => self.babble.moved(moved, turned),
+            Event::Command(_) | Event::Tick | Event::Alarm(_) | Event::Touched => {}
+        }
+    }
+}
+
+impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize> Default
+    for MountedSensors<SECTORS, BEAMS, POINTS>
+{
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize> Body<SECTORS>
+    for MountedSensors<SECTORS, BEAMS, POINTS>
+{
+    const NEW: Self = Self::new();
+
+    fn handle<const NEURONS: usize, const SAMPLES: usize>(
+        &mut self,
+        config: &Config<SECTORS>,
+        state: &mut State<SECTORS, NEURONS, SAMPLES>,
+        at: Millis,
+        event: Event<SECTORS>,
+    ) -> Outputs<SECTORS> {
+        if self.told.enabled == Mask::NONE {
+            return handle(config, state, at, event);
+        }
+        if let Event::Command(Command::Calibrate {
+            moves,
+            seed,
+            actuators,
+        }) = event
+        {
+            return self.calibrate(state, at, (moves, seed, actuators));
+        }
+        match (state.mode(), event) {
+            (Mode::Babble { .. }, _) => return self.babble(config, state, at, event),
+            (Mode::Calibrate, Event::Tick) => {
+                return if self.solve() || !self.solver.is_busy() {
+                    state.end_calibration(at)
+                } else {
+                    Outputs::NONE
+                };
+            }
+            (Mode::Learn { .. }, Event::Tick) if self.solver.is_busy() => {
+                self.solve();
+                return Outputs::NONE;
+            }
+            _ => {}
+        }
+        if self.listens {
+            self.listen(config, &event);
+        }
+        let outputs = turret::handle(config, &self.known, &mut self.turret, state, at, event);
+        let learns = matches!(event, Event::Command(Command::Learn));
+        if self.listens && learns && outputs.refusal.is_none() {
+            self.begin_to_solve();
+            self.listens = false;
+        }
+        outputs
+    }
+
+    #[cfg(feature = "store")]
+    fn to_bytes<'a>(&self, buffer: &'a mut [u8; MAX_CONFIG]) -> &'a [u8] {
+        if self.known == BodySpec::NONE {
+            return &[];
+        }
+        self.known.to_bytes(buffer)
+    }
+
+    #[cfg(feature = "store")]
+    fn replace(&mut self, bytes: &[u8]) -> bool {
+        let body = if bytes.is_empty() {
+            Some(BodySpec::NONE)
+        } else {
+            BodySpec::from_bytes(bytes)
+        };
+        if let Some(body) = &body {
+            self.tell(body);
+        }
+        body.is_some()
+    }
+}
+
+#[cfg(test)]
+mod tests;

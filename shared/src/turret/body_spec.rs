@@ -1,0 +1,95 @@
+//! A robot's body: where its sensors stand, how long what they tell counts, and what its base does.
+
+use crate::actuation::Actuation;
+#[cfg(feature = "store")]
+use crate::config::MAX_CONFIG;
+use crate::fixed::Mask;
+use crate::points::PointLimits;
+use crate::units::{Bearing, Displacement};
+use serde::{Deserialize, Serialize};
+
+/// Where a sensor stands on the body and looks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Mount {
+    /// Position: x ahead, y to the left of the body's center.
+    pub position: Displacement,
+    /// Direction, from the body's front.
+    pub axis: Bearing,
+}
+
+/// A body with `BEAMS` sensors, at most 32.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BodySpec<const BEAMS: usize> {
+    /// Its sensors.
+    #[serde(with = "crate::arrays")]
+    pub mounts: [Mount; BEAMS],
+    /// Sensors that exist and are used.
+    pub enabled: Mask,
+    /// What the base makes of its commands.
+    pub actuation: Actuation,
+    /// How long points last.
+    pub points: PointLimits,
+    /// How far a sensor that hears nothing sees free space, millimeters from its face; `None` = it
+    /// tells nothing: the echo of a sonar may have gone astray on a smooth wall.
+    pub silence_mm: Option<u16>,
+    /// With more sectors than these unseen from here the robot turns on the spot before it
+    /// decides.
+    pub most_unseen: u8,
+    /// Distance that the guard keeps between body and points, millimeters; `None` = no guard.
+    pub guard_mm: Option<u16>,
+    /// Distance that random moves leave to the nearest thing heard, wherever that is, while the
+    /// robot finds where its sensors look, millimeters.
+    pub babble_margin_mm: u16,
+}
+
+impl<const BEAMS: usize> BodySpec<BEAMS> {
+    /// No sensors. All zeros.
+    pub const NONE: Self = Self {
+        mounts: [Mount {
+            position: Displacement::ZERO,
+            axis: Bearing::ZERO,
+        }; BEAMS],
+        enabled: Mask::NONE,
+        actuation: Actuation {
+            front: Bearing::ZERO,
+            length_q12: 0,
+            turn_q12: 0,
+        },
+        points: PointLimits {
+            face_radius_mm: 0,
+            keep_mm: 0,
+            contradictions: 0,
+            beyond_mm: 0,
+            here_mm: 0,
+            near_mm: 0,
+            replan_within_mm: 0,
+            replan_nearer_mm: 0,
+        },
+        silence_mm: None,
+        most_unseen: 0,
+        guard_mm: None,
+        babble_margin_mm: 0,
+    };
+
+    /// As bytes in postcard's form.
+    // One copy of it in a program.
+    #[cfg(feature = "store")]
+    #[inline(never)]
+    #[must_use]
+    pub fn to_bytes<'a>(&self, buffer: &'a mut [u8; MAX_CONFIG]) -> &'a [u8] {
+        postcard::to_slice(self, buffer).map_or(&[], |bytes| bytes)
+    }
+
+    /// Undoes [`to_bytes`](Self::to_bytes); `None` for bytes that are no body, for one without
+    /// sensors or with more than `BEAMS`, or for a base that never moves or turns.
+    #[cfg(feature = "store")]
+    #[inline(never)]
+    #[must_use]
+    pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
+        let body: Self = postcard::from_bytes(bytes).ok()?;
+        let surplus = body.enabled.indices(32).any(|sensor| sensor >= BEAMS);
+        let has_sensors = body.enabled != Mask::NONE && !surplus;
+        let moves = body.actuation.length_q12 > 0 && body.actuation.turn_q12 > 0;
+        (has_sensors && moves).then_some(body)
+    }
+}
