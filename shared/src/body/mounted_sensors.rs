@@ -219,7 +219,7 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize> Body<SECTORS
             (Mode::Babble { .. }, _) => return self.babble(config, state, at, event),
             (Mode::Calibrate, Event::Tick) => {
                 return if self.solve() || !self.solver.is_busy() {
-                    state.end_calibration(at)
+                    state.end_calibration(at, self.known.enabled != Mask::NONE)
                 } else {
                     Outputs::NONE
                 };

@@ -1,7 +1,7 @@
 //! Modes of a body that finds where its sensors look. Its moves and readings are the body's; time
 //! and alarms are supervised as in the other modes.
 
-use super::{Mode, Motion, Outputs, State};
+use super::{Mode, Motion, Outputs, State, StopReason};
 use crate::config::Config;
 use crate::units::{Displacement, Millis};
 
@@ -47,8 +47,13 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.enter(at, Mode::Calibrate)
     }
 
-    /// It knows where its sensors look.
-    pub(crate) fn end_calibration(&mut self, at: Millis) -> Outputs<SENSORS> {
-        self.enter(at, Mode::Idle)
+    /// It knows where its sensors look, or has found none: what they heard did not change.
+    pub(crate) fn end_calibration(&mut self, at: Millis, has_sensors: bool) -> Outputs<SENSORS> {
+        let mode = if has_sensors {
+            Mode::Idle
+        } else {
+            Mode::Stopped(StopReason::NoEchoes)
+        };
+        self.enter(at, mode)
     }
 }

@@ -50,7 +50,8 @@ pub enum StopReason {
     /// The host fell silent.
     LinkLost,
     /// Three rings in a row heard no echo at all, and no open space is expected
-    /// ([`State::expects_open_space`](super::State::expects_open_space)).
+    /// ([`State::expects_open_space`](super::State::expects_open_space)); or a body that was to
+    /// find its sensors heard nothing by which to tell them apart.
     #[serde(alias = "NoEchoes")]
     NoEchoes,
     /// A motion had not ended at its deadline: twice its distance over its speed, plus 0.5 s.

@@ -281,10 +281,16 @@ impl<'w> EpisodeRunner<'w> {
 
     /// Lets time pass until the controller has worked something out.
     pub(super) fn think(&mut self, controller: &mut impl Pilot) -> Result<(), EpisodeError> {
-        while !controller.handle(self.body.now(), Event::Tick).mode_changed {
+        loop {
+            let outputs = controller.handle(self.body.now(), Event::Tick);
             controller.failure().map_or(Ok(()), Err)?;
+            if let Some(reason) = outputs.stopped {
+                return Err(EpisodeError::Stopped(reason));
+            }
+            if outputs.mode_changed {
+                return Ok(());
+            }
         }
-        Ok(())
     }
 
     /// Drives until `is_over` or until the pilot changes its mode.

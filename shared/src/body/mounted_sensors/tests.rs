@@ -117,6 +117,27 @@ fn a_body_moves_at_random_thinks_and_is_idle() {
     assert_ne!(known.mounts, spec().mounts);
 }
 
+/// Nothing answers, or always from the same distance.
+#[test]
+fn without_echoes_that_change_no_sensor_is_found() {
+    for range in [None, Some(Range::from_mm(900))] {
+        let mut rig = Rig::new();
+        rig.calibrate(5);
+        while *rig.state.mode() != Mode::Calibrate {
+            let mut motion = None;
+            for sensor in 0..8 {
+                let heard = rig.handle(Event::Echo { sensor, range });
+                motion = heard.motion.or(motion);
+            }
+            if let Some(motion) = motion {
+                rig.report(motion, Progress::Ended);
+            }
+        }
+        rig.think();
+        assert_eq!(rig.state.mode(), &Mode::Stopped(StopReason::NoEchoes));
+    }
+}
+
 /// The random moves for the maps teach more: learning begins with looking again.
 #[test]
 fn learning_begins_with_the_sensors() {
