@@ -109,6 +109,7 @@ fn reports(
         config.shield = None;
     }
     let trial = BehaviorTrial {
+        robot: None,
         first: 101,
         worlds,
         seeds,
@@ -172,6 +173,7 @@ fn a_robot_that_knows_nothing_finds_no_nest() {
     config.planning.wander = None;
     config.online = None;
     let trial = BehaviorTrial {
+        robot: None,
         first: 101,
         worlds: 10,
         seeds: 5,

@@ -188,6 +188,48 @@ fn pictures(page: &mut Browser) {
 }
 
 /// A log on the same page: played, paused, sought, to its end.
+/// The robot is told nothing of its 16 sensors, whose wires are permuted.
+#[test]
+fn a_robot_finds_its_sensors_and_the_page_draws_them() {
+    let program = host_sim!();
+    let viewed = Viewed::start(
+        &program,
+        "--robot p3dx --geometry learned --scramble 1 --world random:7 --explore 60 --speed max --seed 5",
+    );
+    let mut page = Browser::open(&viewed.steer);
+    page.set_dark(false);
+    page.resize(1400, 900);
+    page.wait("document.getElementById('seat').textContent.startsWith('you steer')");
+    page.wait("document.getElementById('body-card').offsetParent");
+    fits(&mut page);
+    page.click("#explore");
+    // 12 of the moves are for the sensors.
+    page.wait("view.memory.length === 48 && view.now.mode === 'idle'");
+    page.click("#learn");
+    page.wait("view.maps.learned && view.now.mode === 'idle'");
+    assert_eq!(page.eval("view.now.found.filter((s) => s).length"), 16);
+    assert_eq!(page.eval("view.scene.sensors.length"), 16);
+    let said = page.eval("document.getElementById('body-detail').textContent");
+    let said = said.as_str().expect("a sentence").to_owned();
+    let words: Vec<_> = said.split_whitespace().collect();
+    assert_eq!(words[..3], ["16", "of", "16"], "{said}");
+    let worst: f64 = words
+        .last()
+        .expect("degrees")
+        .trim_end_matches('°')
+        .parse()
+        .expect("a number");
+    assert!((0.5..12.0).contains(&worst), "{said}");
+    page.click("#seek");
+    page.wait("view.now.counts.steps > 20");
+    assert_eq!(page.eval("view.now.counts.contacts"), 0);
+    assert_eq!(
+        page.eval("arena.beams.filter((b) => b.getAttribute('d')).length"),
+        16
+    );
+    assert_eq!(page.errors(), [""; 0]);
+}
+
 #[test]
 fn a_recording_is_played_back_and_forth() {
     let program = host_sim!();

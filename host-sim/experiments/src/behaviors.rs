@@ -11,6 +11,7 @@ use sim::behavior::Behavior;
 use sim::episode::{Episode, EpisodeReport, Setup, elsewhere, perceive, run};
 use sim::error::EpisodeError;
 use sim::goal_file::GoalFile;
+use sim::robot::AnyRobot;
 use sim::statistics::{Mean, bootstrap};
 
 /// Size and conditions of the measurement.
@@ -30,6 +31,8 @@ pub struct BehaviorTrial {
     pub config: Config<16>,
     /// Motion of the turret while the base steers.
     pub turret: TurretMode,
+    /// The robot, if it is not the Nomad.
+    pub robot: Option<AnyRobot>,
     /// Sonar model, unless the scene has its own.
     pub sonar: SonarModel,
 }
@@ -116,7 +119,7 @@ fn seed_of(number: u64, seed: u64) -> u64 {
 /// One episode in one of the scene's worlds.
 fn setup(scene: &BehaviorScene, trial: &BehaviorTrial, world: &World, seed: u64) -> Setup {
     let behavior = match scene.behavior {
-        "seek" => show(world, &trial.config, seed),
+        "seek" => show(world, trial, seed),
         name => name.parse().unwrap_or(Behavior::Avoid),
     };
     Setup {
@@ -128,7 +131,7 @@ fn setup(scene: &BehaviorScene, trial: &BehaviorTrial, world: &World, seed: u64)
         seed,
         sonar: scene.sonar.unwrap_or(trial.sonar),
         turret: trial.turret,
-        robot: None,
+        robot: trial.robot.clone(),
         set_down: scene.set_down.map(|place| place(seed)),
         faults: Vec::new(),
         record: false,
@@ -136,11 +139,14 @@ fn setup(scene: &BehaviorScene, trial: &BehaviorTrial, world: &World, seed: u64)
 }
 
 /// A demonstrated situation: what an exact ring reports at a free position drawn by `seed`.
-fn show(world: &World, config: &Config<16>, seed: u64) -> Behavior {
+fn show(world: &World, trial: &BehaviorTrial, seed: u64) -> Behavior {
     let mut noise = Noise::new(seed);
     let start = world.start();
-    let place = elsewhere(world, COLLISION_RADIUS_M, start.position, &mut noise);
+    let robot = trial.robot.as_ref();
+    let radius_m = robot.map_or(COLLISION_RADIUS_M, |robot| robot.model().radius_m);
+    let place = elsewhere(world, radius_m, start.position, &mut noise);
     let pose = Pose::new(place, start.heading);
-    let situation = perceive(world, pose, SonarModel::Ideal, seed, config.encoding);
+    let encoding = trial.config.encoding;
+    let situation = perceive(world, pose, robot, SonarModel::Ideal, seed, encoding);
     Behavior::Seek(Box::new(GoalFile::perceived("shown", &situation, place)))
 }

@@ -6,10 +6,11 @@ use crate::ring_pilot::{Policy, RingPilot};
 use crate::robot::{AnyRobot, MAX_BEAMS};
 use amp::body::{Body as _, MountedSensors};
 use amp::config::Config;
-use amp::controller::{Event, Outputs, State};
+use amp::controller::{Event, Mode, Outputs, State};
+use amp::fixed::Mask;
 use amp::som::Grid;
 use amp::turret::{self, BodySpec, VirtualTurret};
-use amp::units::Millis;
+use amp::units::{Millis, Range};
 
 /// Points that the robot remembers.
 const POINTS: usize = 256;
@@ -37,6 +38,39 @@ impl TurretController {
             config,
             body,
             state: Box::new(state),
+        }
+    }
+
+    /// The configuration.
+    #[must_use]
+    pub fn config(&self) -> &Config<16> {
+        &self.config
+    }
+
+    /// Maps and memory.
+    #[must_use]
+    pub fn state(&self) -> &SimState {
+        &self.state
+    }
+
+    /// Sectors of which something is known.
+    #[must_use]
+    pub fn enabled(&self) -> Mask {
+        self.state.enabled(&self.config)
+    }
+
+    /// Ranges of the sectors at the last decision.
+    #[must_use]
+    pub fn ring(&self) -> &[Option<Range>; 16] {
+        self.body.turret().ring()
+    }
+
+    /// The body as it is known; while it finds its sensors, as far as it has found them.
+    #[must_use]
+    pub fn known_body(&self) -> BodySpec<MAX_BEAMS> {
+        match self.state.mode() {
+            Mode::Babble { .. } | Mode::Calibrate => self.body.sketch(),
+            _ => self.body.known().clone(),
         }
     }
 }

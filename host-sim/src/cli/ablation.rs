@@ -143,6 +143,7 @@ fn behavior_row(
         return Ok(row);
     };
     let trial = behaviors::BehaviorTrial {
+        robot: None,
         first: args.first,
         worlds: args.rooms,
         seeds: BEHAVIOR_SEEDS,

@@ -1,6 +1,7 @@
 //! `host-sim behaviors`: results of each behavior, without and with the shield.
 
 use super::output::{bar, prepare};
+use super::robot::RobotArgs;
 use super::run::{Preset, SonarChoice};
 use super::{CliError, summary, table};
 use clap::Args;
@@ -34,6 +35,8 @@ pub struct BehaviorsArgs {
     /// Sonar model
     #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
     sonar: SonarChoice,
+    #[command(flatten)]
+    robot: RobotArgs,
     /// Only behaviors whose name contains this text
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
@@ -47,6 +50,8 @@ pub struct BehaviorsArgs {
 
 /// The short list: worlds and seeds.
 const SHORT: (u32, u32) = (3, 4);
+/// Random moves before each behavior.
+const EXPLORE_MOVES: u16 = 100;
 /// The whole table.
 const WHOLE: (u32, u32) = (10, 30);
 
@@ -149,18 +154,24 @@ fn trials(
 ) -> Result<(BehaviorTrial, BehaviorTrial), BadInput> {
     let mut config = args.preset.config();
     sim::settings::apply(&mut config, &args.sets)?;
+    let robot = args.robot.find(true, EXPLORE_MOVES)?;
+    if let Some(robot) = &robot {
+        config = robot.config(config);
+    }
     let shielded = BehaviorTrial {
         worlds: args.worlds.unwrap_or(worlds),
         seeds: args.seeds.unwrap_or(seeds),
         first: args.first,
-        explore_moves: 100,
+        explore_moves: EXPLORE_MOVES,
         preset: args.preset.name(),
         config,
         turret: args.preset.turret(),
+        robot,
         sonar: args.sonar.into(),
     };
     let mut bare = shielded.clone();
     bare.config.shield = None;
+    bare.robot = args.robot.find(false, EXPLORE_MOVES)?;
     Ok((bare, shielded))
 }
 

@@ -1,6 +1,7 @@
 //! `host-sim capture`: writes the situation at a pose as a goal file.
 
 use super::CliError;
+use super::robot::RobotArgs;
 use super::run::{Preset, SonarChoice};
 use arena::loaders::parse_worlds;
 use arena::robot::COLLISION_RADIUS_M;
@@ -9,6 +10,7 @@ use clap::Args;
 use files::error::BadInput;
 use sim::episode::perceive;
 use sim::goal_file;
+use sim::robot::LEAST_MOVES;
 use sim::settings;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -36,6 +38,8 @@ pub struct CaptureArgs {
     /// Change one option (see `host-sim settings`); may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
+    #[command(flatten)]
+    robot: RobotArgs,
     /// The file to write
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -81,10 +85,24 @@ impl FromStr for CapturePose {
 pub fn capture(args: &CaptureArgs, out: &mut impl Write) -> Result<(), CliError> {
     let mut config = args.preset.config();
     settings::apply(&mut config, &args.sets)?;
+    let robot = args.robot.find(false, LEAST_MOVES)?;
+    if let Some(robot) = &robot {
+        config = robot.config(config);
+    }
     let world = only_world(&args.world)?;
-    let pose = pose(&world, args.at)?;
+    let radius_m = robot
+        .as_ref()
+        .map_or(COLLISION_RADIUS_M, |robot| robot.model().radius_m);
+    let pose = pose(&world, radius_m, args.at)?;
     let sonar = args.sonar.into();
-    let situation = perceive(&world, pose, sonar, args.seed, config.encoding);
+    let situation = perceive(
+        &world,
+        pose,
+        robot.as_ref(),
+        sonar,
+        args.seed,
+        config.encoding,
+    );
     let remark = format!(
         "Captured in the world {} with the sonars {} on a scale of {} to {} m.",
         world.name().replace(char::is_control, " "),
@@ -98,8 +116,9 @@ pub fn capture(args: &CaptureArgs, out: &mut impl Write) -> Result<(), CliError>
     let file = args.out.display();
     Ok(writeln!(
         out,
-        "{file}: what the robot perceives at ({x}, {y}) in {}\nGo there: host-sim run --world {} --behavior seek:{file}",
+        "{file}: what the robot perceives at ({x}, {y}) in {}\nGo there: host-sim run{} --world {} --behavior seek:{file}",
         world.name(),
+        robot.map_or_else(String::new, |_| format!(" --robot {}", args.robot.name())),
         args.world
     )?)
 }
@@ -114,7 +133,7 @@ fn only_world(name: &str) -> Result<World, BadInput> {
     }
 }
 
-fn pose(world: &World, at: Option<CapturePose>) -> Result<Pose, BadInput> {
+fn pose(world: &World, radius_m: f64, at: Option<CapturePose>) -> Result<Pose, BadInput> {
     let start = world.start();
     let Some(CapturePose { place, bearing }) = at else {
         return Ok(start);
@@ -122,7 +141,7 @@ fn pose(world: &World, at: Option<CapturePose>) -> Result<Pose, BadInput> {
     let (low, high) = world.bounds();
     let within = |value: f64, low: f64, high: f64| (low..=high).contains(&value);
     let outside = !within(place.x, low.x, high.x) || !within(place.y, low.y, high.y);
-    if outside || world.is_inside(place) || world.clearance(place) < COLLISION_RADIUS_M {
+    if outside || world.is_inside(place) || world.clearance(place) < radius_m {
         return Err(BadInput::new(format!(
             "--at {},{}: there is no room for the robot in the world {}",
             place.x,

@@ -63,12 +63,13 @@ impl MindArgs {
         }
     }
 
-    /// Connects to a controller with a memory for `moves` random moves.
+    /// Connects to a controller with a memory for `moves` random moves, for any body or a ring on
+    /// a turret.
     ///
     /// # Errors
     /// When it cannot be reached, is incompatible, or has too small a memory.
-    pub(super) fn place(&self, moves: u16) -> Result<ControllerPlace, BadInput> {
-        Ok(match Remote::connect(self, moves, false)? {
+    pub(super) fn place(&self, moves: u16, any_body: bool) -> Result<ControllerPlace, BadInput> {
+        Ok(match Remote::connect(self, moves, any_body)? {
             None => ControllerPlace::Host,
             Some(remote) => {
                 ControllerPlace::Link(Box::new(remote.session), remote.address.to_string())

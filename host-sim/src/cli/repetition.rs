@@ -109,6 +109,7 @@ fn trial(args: &RepetitionArgs) -> Result<BehaviorTrial, BadInput> {
     sim::settings::apply(&mut config, &args.sets)?;
     config.shield = None;
     Ok(BehaviorTrial {
+        robot: None,
         worlds: args.worlds,
         seeds: args.seeds,
         first: args.first,

@@ -121,20 +121,6 @@ impl SetupArgs {
         self.task.whole()
     }
 
-    /// As [`setup`](Self::setup), for what only the Nomad can do.
-    ///
-    /// # Errors
-    /// Another robot; as [`setup`](Self::setup).
-    pub(super) fn nomad_setup(&self) -> Result<Setup, BadInput> {
-        if self.robot()?.is_some() {
-            return Err(BadInput::new(format!(
-                "--robot {}: here only nomad200 with its own ranges",
-                self.robot.name()
-            )));
-        }
-        self.setup()
-    }
-
     /// The robot, if it is not the Nomad.
     ///
     /// # Errors

@@ -5,6 +5,7 @@ use super::bridge::{RobotAddress, held_turret_config, interrupt_flag, mind};
 use super::remote::{MindArgs, named, open};
 use super::run::{Preset, sources};
 use super::setup::{SetupArgs, parsed};
+use amp::config::Config;
 use amp::wire::message::Clock;
 use clap::{Args, ValueEnum as _};
 use files::error::BadInput;
@@ -27,6 +28,8 @@ Open the printed address in a browser. Ctrl-C ends the program.
   host-sim view --world random:7 --speed max
   host-sim view --preset touzet              the literal reading of the paper
   host-sim view --mind qemu                  the controller in an emulated chip
+  host-sim view --robot p3dx --geometry learned --scramble 1
+                                             a robot that finds its sensors
   host-sim view --replay wall.mcap           a log
   host-sim view --nomad tcp:robot:65001      a Nomad 200
   host-sim view --board serial:/dev/ttyUSB0  a board with its own ring and base
@@ -166,8 +169,18 @@ fn nomad(args: &ViewArgs, robot: &RobotAddress) -> Result<Box<dyn ViewSource>, B
 
 fn simulator(args: &ViewArgs) -> Result<Box<dyn ViewSource>, BadInput> {
     let start = start(args)?;
-    let place = args.mind.place(start.setup.explore_moves)?;
+    let robot = start.setup.robot.as_ref();
+    let place = args
+        .mind
+        .place(start.setup.explore_moves, robot.is_some())?;
     let log = args.log.as_deref();
+    if let (Some(robot), Some(log)) = (robot, log) {
+        return Err(BadInput::new(format!(
+            "--log {}: only with the robot nomad200, not \"{}\"",
+            log.display(),
+            robot.model().name
+        )));
+    }
     Ok(Box::new(Simulator::new(start, place, log)?))
 }
 
@@ -180,16 +193,21 @@ fn start(args: &ViewArgs) -> Result<SimulatorStart, BadInput> {
             sources.len()
         )));
     };
+    let setup = args.setup.setup()?;
+    let of_robot = |config: Config<16>| match &setup.robot {
+        None => config,
+        Some(robot) => robot.config(config),
+    };
     let preset = |preset: &Preset| PresetChoice {
         name: preset.name(),
-        config: preset.config(),
+        config: of_robot(preset.config()),
         turret: preset.turret(),
     };
     Ok(SimulatorStart {
         world: source.load()?,
         named: source.to_string(),
-        setup: args.setup.nomad_setup()?,
-        whole: args.setup.whole()?,
+        whole: of_robot(args.setup.whole()?),
         presets: Preset::value_variants().iter().map(preset).collect(),
+        setup,
     })
 }

@@ -32,6 +32,9 @@ impl From<f64> for Rounded {
 /// One value per transducer.
 pub type RingValues = [Rounded; 16];
 
+/// A sensor on a body: x ahead, y to the left, m; bearing from the front, rad.
+pub type SensorDto = [Rounded; 3];
+
 /// A position or a displacement, meters.
 pub type Xy = [Rounded; 2];
 
@@ -149,6 +152,10 @@ pub struct SceneDto {
     pub start: Xy,
     /// Radii of the collision disc and of the transducers' faces, meters.
     pub radii_m: [Rounded; 2],
+    /// The robot, if it is not the Nomad.
+    pub robot: Option<String>,
+    /// Where the sensors of a body stand and look; `None` for a ring on a turret.
+    pub sensors: Option<Vec<SensorDto>>,
     /// Half the angle of a transducer's cone, radians.
     pub half_angle_rad: Rounded,
     /// Ranges at which a situation's value is 1 and 0, meters.
@@ -247,7 +254,7 @@ pub struct LiveState {
     /// Pose at the time of the ring.
     #[serde(rename = "heard_at")]
     pub scan_pose: [Rounded; 3],
-    /// Mode: `idle`, `explore`, `learn`, `seek`, `stopped`, `failed`.
+    /// Mode: `idle`, `babble`, `calibrate`, `explore`, `learn`, `seek`, `stopped`, `failed`.
     pub mode: &'static str,
     /// Why the source failed.
     pub why: Option<String>,
@@ -263,6 +270,10 @@ pub struct LiveState {
     /// Transducers that are enabled.
     #[serde(rename = "on")]
     pub enabled: [bool; 16],
+    /// Latest ranges of a body's sensors, meters; `ranges_m` are then those of its ring of sectors.
+    pub beams_m: Option<Vec<Option<Rounded>>>,
+    /// Where the controller takes a body's sensors to stand and look; `None` = not found.
+    pub found: Option<Vec<Option<SensorDto>>>,
     /// Situation of the latest decision; the current one at rest.
     pub situation: RingValues,
     /// Change of situation by the latest move.

@@ -1,7 +1,7 @@
 //! Sensors anywhere on a body: told where they look, or finding it by random moves.
 
 use super::Body;
-use crate::calibration::{Babble, BabbleLimits, LearnedBody, Solver};
+use crate::calibration::{Babble, BabbleLimits, Solver};
 use crate::config::Config;
 #[cfg(feature = "store")]
 use crate::config::MAX_CONFIG;
@@ -9,8 +9,8 @@ use crate::controller::{
     Command, CommandRefusal, Event, Mode, Outputs, Progress, State, handle, refused,
 };
 use crate::fixed::Mask;
-use crate::turret::{self, BodySpec, Mount, VirtualTurret};
-use crate::units::{Displacement, Millis};
+use crate::turret::{self, BodySpec, VirtualTurret};
+use crate::units::Millis;
 
 /// A body with at most `BEAMS` sensors. The controller sees a ring of `SECTORS`, read off at most
 /// `POINTS` points of echoes. `Event::Echo` counts the sensors; displacements are in the body's
@@ -69,6 +69,13 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
     #[must_use]
     pub const fn turret(&self) -> &VirtualTurret<SECTORS, POINTS> {
         &self.turret
+    }
+
+    /// The body as the random moves so far show it, at once: for pictures, too long for a tick.
+    #[must_use]
+    pub fn sketch(&self) -> BodySpec<BEAMS> {
+        let found = Solver::new().solve(self.babble.calibration(), self.learns_actuation);
+        self.told.with(&found)
     }
 
     fn calibrate<const NEURONS: usize, const SAMPLES: usize>(
@@ -150,25 +157,9 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
     fn solve(&mut self) -> bool {
         let found = self.solver.advance(self.babble.calibration());
         if let Some(found) = &found {
-            self.apply(found);
+            self.known = self.told.with(found);
         }
         found.is_some()
-    }
-
-    /// The sensors are where they were found to look, and those that were not are not used.
-    fn apply(&mut self, found: &LearnedBody<BEAMS>) {
-        self.known.clone_from(&self.told);
-        self.known.actuation = found.actuation;
-        self.known.enabled = Mask::NONE;
-        let face_mm = self.known.points.face_radius_mm.into();
-        let mounts = self.known.mounts.iter_mut().zip(&found.bearings);
-        for (sensor, (mount, bearing)) in mounts.enumerate() {
-            if let Some(axis) = *bearing {
-                let position = Displacement::along(axis, face_mm);
-                *mount = Mount { position, axis };
-                self.known.enabled = self.known.enabled.with(sensor);
-            }
-        }
     }
 
     /// What the random moves for the maps tell of the sensors.

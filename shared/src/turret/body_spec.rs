@@ -1,6 +1,7 @@
 //! A robot's body: where its sensors stand, how long what they tell counts, and what its base does.
 
 use crate::actuation::Actuation;
+use crate::calibration::LearnedBody;
 #[cfg(feature = "store")]
 use crate::config::MAX_CONFIG;
 use crate::fixed::Mask;
@@ -70,6 +71,27 @@ impl<const BEAMS: usize> BodySpec<BEAMS> {
         guard_mm: None,
         babble_margin_mm: 0,
     };
+
+    /// The same body with its sensors where they were found to look; those that were not are not
+    /// used.
+    #[must_use]
+    pub fn with(&self, found: &LearnedBody<BEAMS>) -> Self {
+        let mut body = Self {
+            actuation: found.actuation,
+            enabled: Mask::NONE,
+            ..self.clone()
+        };
+        let face_mm = body.points.face_radius_mm.into();
+        let mounts = body.mounts.iter_mut().zip(&found.bearings);
+        for (sensor, (mount, bearing)) in mounts.enumerate() {
+            if let Some(axis) = *bearing {
+                let position = Displacement::along(axis, face_mm);
+                *mount = Mount { position, axis };
+                body.enabled = body.enabled.with(sensor);
+            }
+        }
+        body
+    }
 
     /// As bytes in postcard's form.
     // One copy of it in a program.

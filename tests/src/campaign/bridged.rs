@@ -290,7 +290,7 @@ fn controller(
         attempts: 1,
     });
     let place = ControllerPlace::Link(Box::new(session), "a controller".to_owned());
-    AnyController::new(config, place).expect("a controller")
+    AnyController::new(config, None, place).expect("a controller")
 }
 
 /// Runs the trials for a campaign of `count`, and adds their figures to the verdict.

@@ -163,7 +163,7 @@ fn captured(world: &World, config: &Config<16>, seed: u64) -> Behavior {
         &mut Noise::new(seed),
     );
     let pose = Pose::new(place, start.heading);
-    let situation = perceive(world, pose, SonarModel::Ideal, seed, config.encoding);
+    let situation = perceive(world, pose, None, SonarModel::Ideal, seed, config.encoding);
     Behavior::Seek(Box::new(GoalFile::perceived("captured", &situation, place)))
 }
 

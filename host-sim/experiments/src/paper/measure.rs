@@ -295,6 +295,7 @@ fn compared(
 
 fn behavior_trial(size: Size, reading: &PaperReading) -> behaviors::BehaviorTrial {
     behaviors::BehaviorTrial {
+        robot: None,
         first: size.seed,
         worlds: size.worlds,
         seeds: size.seeds,

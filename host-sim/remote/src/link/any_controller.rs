@@ -2,12 +2,15 @@
 
 use super::{Knowledge, LinkError, RemoteController, Session, next_number};
 use amp::config::Config;
-use amp::controller::{Event, Outputs};
+use amp::controller::{Event, Mode, Outputs};
 use amp::fixed::Mask;
-use amp::units::Millis;
+use amp::turret::BodySpec;
+use amp::units::{Millis, Range};
 use files::error::BadInput;
 use sim::error::EpisodeError;
 use sim::pilot::{AgedEcho, InspectableController as _, LocalController, Pilot, SimState};
+use sim::robot::{AnyRobot, MAX_BEAMS};
+use sim::turret_pilot::TurretController;
 
 /// Place of a controller.
 pub enum ControllerPlace {
@@ -22,8 +25,10 @@ const DECISIONS_PER_READ: u32 = 20;
 
 /// A controller, local or remote.
 pub enum AnyController {
-    /// In this process.
+    /// In this process, of the Nomad.
     Host(Box<LocalController>),
+    /// In this process, of a robot whose sensors stand anywhere.
+    Body(Box<TurretController>, Box<AnyRobot>),
     /// At the end of a link.
     Link(Box<CachedRemote>),
 }
@@ -37,16 +42,21 @@ pub struct CachedRemote {
 }
 
 impl AnyController {
-    /// A controller without any knowledge.
+    /// A controller of a robot (`None` = the Nomad) without any knowledge.
     ///
     /// # Errors
     /// When it cannot be reached or is incompatible.
-    pub fn new(config: &Config<16>, place: ControllerPlace) -> Result<Self, BadInput> {
+    pub fn new(
+        config: &Config<16>,
+        robot: Option<&AnyRobot>,
+        place: ControllerPlace,
+    ) -> Result<Self, BadInput> {
         match place {
-            ControllerPlace::Host => Ok(Self::local(config)),
+            ControllerPlace::Host => Ok(Self::local(config, robot)),
             ControllerPlace::Link(session, name) => {
                 let number = next_number(session.number());
-                let started = RemoteController::start(session, number, config, None);
+                let body = robot.map(AnyRobot::body);
+                let started = RemoteController::start(session, number, config, body.as_ref());
                 let controller =
                     started.map_err(|error| BadInput::new(format!("{name}: {error}")))?;
                 Ok(Self::Link(Box::new(CachedRemote {
@@ -61,8 +71,14 @@ impl AnyController {
 
     /// A controller in this process without any knowledge.
     #[must_use]
-    pub fn local(config: &Config<16>) -> Self {
-        Self::Host(Box::new(LocalController::new(config.clone())))
+    pub fn local(config: &Config<16>, robot: Option<&AnyRobot>) -> Self {
+        match robot {
+            None => Self::Host(Box::new(LocalController::new(config.clone()))),
+            Some(robot) => {
+                let controller = TurretController::new(config.clone(), robot);
+                Self::Body(Box::new(controller), Box::new(robot.clone()))
+            }
+        }
     }
 
     /// Clears the knowledge and replaces the configuration.
@@ -71,7 +87,8 @@ impl AnyController {
     /// When it is remote and cannot be reached.
     pub fn reset(&mut self, config: &Config<16>) -> Result<(), LinkError> {
         match self {
-            Self::Host(_) => *self = Self::local(config),
+            Self::Host(_) => *self = Self::local(config, None),
+            Self::Body(_, robot) => *self = Self::local(config, Some(robot)),
             Self::Link(remote) => {
                 remote.controller.restart(config)?;
                 remote.state = None;
@@ -83,14 +100,14 @@ impl AnyController {
     /// Whether it is in this process.
     #[must_use]
     pub fn is_local(&self) -> bool {
-        matches!(self, Self::Host(_))
+        !matches!(self, Self::Link(_))
     }
 
     /// Its name in messages.
     #[must_use]
     pub fn name(&self) -> String {
         match self {
-            Self::Host(_) => "this process".to_owned(),
+            Self::Host(_) | Self::Body(..) => "this process".to_owned(),
             Self::Link(remote) => remote.name.clone(),
         }
     }
@@ -99,7 +116,7 @@ impl AnyController {
     #[must_use]
     pub fn replaced(&self) -> Vec<&'static str> {
         match self {
-            Self::Host(_) => Vec::new(),
+            Self::Host(_) | Self::Body(..) => Vec::new(),
             Self::Link(remote) => remote.controller.replaced(),
         }
     }
@@ -121,6 +138,7 @@ impl AnyController {
     pub fn cached_state(&mut self) -> Result<&SimState, EpisodeError> {
         match self {
             Self::Host(controller) => Ok(controller.state()),
+            Self::Body(controller, _) => Ok(controller.state()),
             Self::Link(remote) => {
                 let state = match remote.state.take() {
                     Some(state) => state,
@@ -136,7 +154,30 @@ impl AnyController {
     pub fn enabled(&self) -> Mask {
         match self {
             Self::Host(controller) => controller.enabled(),
+            Self::Body(controller, _) => controller.enabled(),
             Self::Link(remote) => remote.controller.enabled(),
+        }
+    }
+
+    /// Ranges of a ring of sectors as they were at the last decision, and the body as it is known,
+    /// of a robot in this process whose sensors stand anywhere.
+    #[must_use]
+    pub fn perceived_body(&self) -> Option<([Option<Range>; 16], BodySpec<MAX_BEAMS>)> {
+        match self {
+            Self::Body(controller, _) => Some((*controller.ring(), controller.known_body())),
+            Self::Host(_) | Self::Link(_) => None,
+        }
+    }
+
+    /// Random moves left of a robot in this process that finds its sensors.
+    #[must_use]
+    pub fn babble_moves_left(&self) -> Option<u16> {
+        match self {
+            Self::Body(controller, _) => match controller.state().mode() {
+                Mode::Babble { left } => Some(*left),
+                _ => None,
+            },
+            Self::Host(_) | Self::Link(_) => None,
         }
     }
 
@@ -144,6 +185,7 @@ impl AnyController {
     pub fn config(&self) -> &Config<16> {
         match self {
             Self::Host(controller) => controller.config(),
+            Self::Body(controller, _) => controller.config(),
             Self::Link(remote) => remote.controller.config(),
         }
     }
@@ -155,6 +197,11 @@ impl AnyController {
     pub fn configure(&mut self, config: &Config<16>) -> Result<(), LinkError> {
         match self {
             Self::Host(controller) => controller.configure(config.clone()),
+            Self::Body(_, robot) => {
+                let name = &robot.model().name;
+                let why = format!("the robot \"{name}\" keeps its configuration: restart");
+                return Err(LinkError::Open { why });
+            }
             Self::Link(remote) => remote.controller.configure(config)?,
         }
         Ok(())
@@ -173,6 +220,7 @@ impl Pilot for AnyController {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         match self {
             Self::Host(controller) => controller.handle(at, event),
+            Self::Body(controller, _) => controller.handle(at, event),
             Self::Link(remote) => remote.controller.handle(at, event),
         }
     }
@@ -180,13 +228,14 @@ impl Pilot for AnyController {
     fn echoes(&mut self, at: Millis, echoes: &[AgedEcho]) -> (usize, Outputs<16>) {
         match self {
             Self::Host(controller) => controller.echoes(at, echoes),
+            Self::Body(controller, _) => controller.echoes(at, echoes),
             Self::Link(remote) => remote.controller.echoes(at, echoes),
         }
     }
 
     fn failure(&self) -> Option<EpisodeError> {
         match self {
-            Self::Host(_) => None,
+            Self::Host(_) | Self::Body(..) => None,
             Self::Link(remote) => remote.controller.failure(),
         }
     }

@@ -330,8 +330,12 @@ impl<'w> Body<'w> {
         let world = world_with_leader(&self.world, self.leader.as_ref());
         let pose = self.base.pose();
         let mut ranges_m = [None; 16];
+        let count = self.robot.as_ref().map_or(16, |robot| robot.mounts().len());
         for sensor in FIRING_ORDER {
-            if let Some(range) = ranges_m.get_mut(sensor) {
+            if let Some(range) = ranges_m
+                .get_mut(..count)
+                .and_then(|all| all.get_mut(sensor))
+            {
                 *range = ring.ping(world, &pose, sensor, self.time_s, &mut noise);
             }
         }

@@ -1,23 +1,32 @@
 //! The situation that a robot at rest perceives at a given pose.
 
 use super::Seeds;
+use crate::robot::AnyRobot;
 use amp::scan::{Encoding, Situation};
 use amp::units::Range;
 use arena::noise::Noise;
 use arena::sonar::{FIRING_ORDER, FIRING_SLOT_S, Ring, SonarModel};
 use arena::world::{Pose, World};
 
-/// The situation of a whole ring at rest in `pose`. `seed` seeds the sonar noise.
+/// The situation of a whole ring at rest in `pose`: the Nomad's, or the ring of sectors that a
+/// robot's controller sees, complete and exact up to the sensors' noise. `seed` seeds the noise.
 #[must_use]
 pub fn perceive(
     world: &World,
     pose: Pose,
+    robot: Option<&AnyRobot>,
     sonar: SonarModel,
     seed: u64,
     encoding: Encoding,
 ) -> Situation<16> {
     let mut noise = Noise::new(Seeds::of(seed).noise);
-    let mut ring = Ring::new(sonar, &mut noise);
+    let mut ring = match robot {
+        None => Ring::new(sonar, &mut noise),
+        Some(robot) => {
+            let (mounts, sensing) = (robot.ring_of_sectors(), robot.sensing(sonar));
+            Ring::with_mounts(sonar, &mounts, sensing, &mut noise)
+        }
+    };
     let mut ranges = [None; 16];
     for (slot, &sensor) in FIRING_ORDER.iter().enumerate() {
         let time_s = slot as f64 * FIRING_SLOT_S;
@@ -46,6 +55,7 @@ mod tests {
             let captured = perceive(
                 &world,
                 world.start(),
+                None,
                 SonarModel::Ideal,
                 seed,
                 config.encoding,

@@ -49,6 +49,8 @@ impl WatchedNomad {
         // There is no robot to follow.
         let names = Behavior::NAMES.iter().filter(|name| **name != "follow");
         SceneDto {
+            robot: None,
+            sensors: None,
             world: format!("Nomad at {}", start.name),
             bounds: self.bounds.map(xy),
             shapes: Vec::new(),

@@ -108,7 +108,8 @@ function showRobot(now) {
   const half = scene.half_angle_rad;
   const face = scene.radii_m[1];
   const reach = Math.min(scene.near_far_m[1], 4);
-  arena.beams.forEach((beam, sensor) => {
+  if (scene.sensors) showBeams(now, scene, half, reach);
+  else arena.beams.forEach((beam, sensor) => {
     const range = now.ranges_m[sensor];
     const none = range === null || range > reach;
     const axis = ring + bearingOf(sensor);
@@ -136,6 +137,24 @@ function showRobot(now) {
   }
   for (const [index, shown] of arena.spots) if (index < now.heard[0]) { shown.remove(); arena.spots.delete(index); }
   for (const index of view.heard.keys()) if (index < now.heard[0]) view.heard.delete(index);
+}
+
+// The cones of sensors that stand on the body.
+function showBeams(now, scene, half, reach) {
+  const [hx, hy, heading] = now.heard_at;
+  arena.beams.forEach((beam, index) => {
+    const sensor = scene.sensors[index];
+    if (!sensor) return set(beam, { d: "" });
+    const [range, axis] = [now.beams_m[index], heading + sensor[2]];
+    const none = range === null || range > reach;
+    const far = none ? reach : range;
+    const tip = [hx + sensor[0] * Math.cos(heading) - sensor[1] * Math.sin(heading), hy + sensor[0] * Math.sin(heading) + sensor[1] * Math.cos(heading)];
+    const at = (angle) => cm([tip[0] + far * Math.cos(angle), tip[1] + far * Math.sin(angle)]).map((v) => v.toFixed(1)).join(" ");
+    const arc = (100 * far).toFixed(1);
+    const near = range !== null && range < 0.1 * reach;
+    set(beam, { d: `M${cm(tip).map((v) => v.toFixed(1)).join(" ")}L${at(axis + half)}A${arc} ${arc} 0 0 1 ${at(axis - half)}Z`,
+      class: `cone${none ? " none" : near ? " near" : ""}`, "stroke-width": arena.unit });
+  });
 }
 
 // In a recording, draws only the decisions before the current position, of the current start.

@@ -23,7 +23,7 @@ function showGoalChoice() {
   $("behavior").title = about ? about[1] : now.goal.name;
 }
 
-const MODES = { idle: "stands", explore: "explores", learn: "learns", seek: "seeks", stopped: "stopped", failed: "has failed" };
+const MODES = { idle: "stands", babble: "moves to find its sensors", calibrate: "works out where its sensors are", explore: "explores", learn: "learns", seek: "seeks", stopped: "stopped", failed: "has failed" };
 // Of a chain, the current part.
 function goalName({ name, part }) {
   const parts = name.split(",");
@@ -38,7 +38,7 @@ function showMode(now) {
   const paused = now.pace.paused ? ", paused" : "";
   say($("mode"), MODES[now.mode] + goal + paused);
   set($("mode"), { "data-mode": now.mode });
-  const busy = now.mode === "explore" || now.mode === "learn";
+  const busy = ["babble", "calibrate", "explore", "learn"].includes(now.mode);
   $("done").hidden = !busy;
   if (busy) $("done").value = now.done;
   say($("time"), `${fixed(now.time_s, 1)} s`);
@@ -53,7 +53,7 @@ function showMode(now) {
   $("resume").disabled = !now.resumes;
   $("learn").disabled = !view.memory.length || busy;
   $("seek").disabled = !learned || now.mode === "learn" || now.mode === "seek";
-  $("explore").disabled = now.mode === "explore" || now.mode === "learn";
+  $("explore").disabled = busy;
   const next = !view.memory.length ? "explore" : !learned ? "learn" : "seek";
   for (const id of ["explore", "learn", "seek"]) $(id).classList.toggle("primary", id === next && !$(id).disabled);
   const over = recording() && now.pace.standing;
@@ -96,7 +96,7 @@ function showCounts(now) {
 }
 
 function showSetup(scene) {
-  say($("what"), `${scene.abilities.jump ? "recording · " : ""}${scene.world} · ${scene.preset} · sonars ${scene.sonar}, ring ${scene.turret} · seed ${scene.seed}`);
+  say($("what"), `${scene.abilities.jump ? "recording · " : ""}${scene.world} · ${scene.preset} · ${scene.robot ? `robot ${scene.robot}, sensors ${scene.sonar}` : `sonars ${scene.sonar}, ring ${scene.turret}`} · seed ${scene.seed}`);
   options($("world"), [...scene.worlds, "random:"].map((name) => [name, name === "random:" ? "a random room" : name]), scene.world);
   options($("preset"), scene.presets.map((name) => [name, name]), scene.preset);
   if (document.activeElement !== $("seed")) $("seed").value = scene.seed;

@@ -60,6 +60,8 @@ impl WatchedLog {
         let sonar = setup.sonar.parse().unwrap_or(SonarModel::Nomad);
         let about = |name: &&str| [(*name).to_owned(), Behavior::about(name).to_owned()];
         SceneDto {
+            robot: None,
+            sensors: None,
             world: setup.world.clone(),
             bounds: [xy(low), xy(high)],
             shapes: playback.shapes.to_vec(),

@@ -7,10 +7,10 @@ use crate::goal::ActiveGoal;
 use crate::source::CommandRefused;
 use amp::config::Config;
 use amp::controller::Command;
+use amp::fixed::Weight;
 use amp::scan::Situation;
 use amp::units::Range;
 use arena::loaders::{WorldSource, parse_worlds};
-use arena::robot::COLLISION_RADIUS_M;
 use arena::world::{Point, Shape, World};
 use files::error::BadInput;
 use files::hex::unhex;
@@ -88,11 +88,22 @@ impl Simulator {
         self.note = None;
     }
 
-    fn explore(&mut self) -> Result<(), CommandRefused> {
+    /// Makes random moves, first those that find the sensors of a body that nobody has told of.
+    pub(super) fn explore(&mut self) -> Result<(), CommandRefused> {
         let setup = &self.start.setup;
         // Each further exploration has its own moves.
         let seed = Seeds::of(setup.seed.wrapping_add(self.explorations)).exploration;
-        let moves = setup.explore_moves;
+        let robot = setup.robot.as_ref().filter(|_| !self.is_calibrated);
+        if let Some(calibration) =
+            robot.and_then(|robot| robot.calibration(setup.explore_moves, seed.wrapping_add(1)))
+        {
+            self.command(calibration)?;
+            self.explored = sim::episode::Metrics::new(self.body.world(), self.body.radius_m());
+            self.learning = 0;
+            self.begin(SimulatorActivity::Babble);
+            return Ok(());
+        }
+        let moves = setup.explore_moves - setup.calibration_moves();
         self.command(Command::Explore { moves, seed })?;
         self.explorations += 1;
         self.explored = sim::episode::Metrics::new(self.body.world(), self.body.radius_m());
@@ -171,6 +182,12 @@ impl Simulator {
 
     /// The ranges in this pose as a situation.
     pub(super) fn perceived(&self) -> Situation<16> {
+        if self.start.setup.robot.is_some() {
+            // Only a decision reads a ring off what the sensors have heard.
+            return self
+                .decision
+                .map_or([Weight::ZERO; 16], |decision| decision.situation);
+        }
         let millimeters = |m: f64| Range::from_mm((m * 1e3) as u16);
         let value = |range: Option<f64>| self.config.encoding.value(range.map(millimeters));
         self.body.look().map(value)
@@ -220,8 +237,8 @@ impl Simulator {
             None => return Err(format!("there is no shape {index}").into()),
         };
         let world = world.with_shape(index, shape)?;
-        let free =
-            |place: Point| !world.is_inside(place) && world.clearance(place) >= COLLISION_RADIUS_M;
+        let radius_m = self.body.radius_m();
+        let free = |place: Point| !world.is_inside(place) && world.clearance(place) >= radius_m;
         let robot = self.body.pose().position;
         if !free(robot) || !self.body.leader().is_none_or(free) {
             return Err("the robot stands there".into());
@@ -239,7 +256,7 @@ impl Simulator {
         let world = self.body.world();
         let (low, high) = world.bounds();
         let inside = (low.x..=high.x).contains(&to.x) && (low.y..=high.y).contains(&to.y);
-        if !inside || world.is_inside(to) || world.clearance(to) < COLLISION_RADIUS_M {
+        if !inside || world.is_inside(to) || world.clearance(to) < self.body.radius_m() {
             return Err("there is no room for the robot".into());
         }
         let goes_on = matches!(
@@ -291,7 +308,7 @@ impl Simulator {
             self.fail(error.to_string());
             return Err(error.into());
         }
-        let placeholder = LoggedController::new(AnyController::local(config), None);
+        let placeholder = LoggedController::new(AnyController::local(config, None), None);
         let controller = std::mem::replace(&mut self.controller, placeholder);
         let mut next = Self::with_controller(start, controller);
         next.config = config.clone();

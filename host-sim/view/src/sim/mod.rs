@@ -72,6 +72,10 @@ pub struct PresetChoice {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum SimulatorActivity {
     Idle,
+    /// Random moves that find the body's sensors.
+    Babble,
+    /// Working out where they are.
+    Calibrate,
     Explore,
     Learn,
     Seek,
@@ -104,6 +108,8 @@ pub struct Simulator {
     ranges_m: [Option<f64>; 16],
     scan_pose: Pose,
     learned: bool,
+    /// Nothing of its body is left to be found.
+    is_calibrated: bool,
     learning: u32,
     touched: bool,
     step_s: f64,
@@ -135,7 +141,8 @@ impl Simulator {
         place: ControllerPlace,
         log: Option<&Path>,
     ) -> Result<Self, BadInput> {
-        let controller = AnyController::new(&start.setup.config, place)?;
+        let robot = start.setup.robot.as_ref();
+        let controller = AnyController::new(&start.setup.config, robot, place)?;
         let log = log.map(LogWriter::create).transpose()?;
         let mut controller = LoggedController::new(controller, log.map(SharedLog::new));
         controller.begin(&start.record(), Some(&start.world));
@@ -146,7 +153,11 @@ impl Simulator {
         let (setup, world) = (&start.setup, &start.world);
         let noise = Seeds::of(setup.seed).noise;
         let world = Cow::Owned(world.clone());
-        let body = Body::within(world, setup.sonar, setup.turret, noise).with_faults(&setup.faults);
+        let body = match &setup.robot {
+            None => Body::within(world, setup.sonar, setup.turret, noise),
+            Some(robot) => Body::of_robot_within(world, robot, setup.sonar, noise),
+        };
+        let body = body.with_faults(&setup.faults);
         let goal = ActiveGoal::behavior(&setup.behavior);
         let ranges_m = body.look();
         let nothing = Metrics::new(&start.world, body.radius_m());
@@ -166,6 +177,7 @@ impl Simulator {
             ranges_m,
             scan_pose: body.pose(),
             learned: false,
+            is_calibrated: false,
             learning: 0,
             touched: false,
             step_s: 0.0,
@@ -211,13 +223,22 @@ impl Simulator {
         let mut whole = false;
         for _ in 0..ticks {
             self.learning += 1;
-            whole = self.controller.handle(now, Event::Tick).mode_changed;
+            let outputs = self.controller.handle(now, Event::Tick);
+            whole = outputs.mode_changed;
             self.check_controller();
+            if let Some(reason) = outputs.stopped {
+                self.fail(EpisodeError::Stopped(reason).to_string());
+            }
             if whole || self.failure.is_some() {
                 break;
             }
         }
-        if whole {
+        if whole && self.activity == SimulatorActivity::Calibrate {
+            self.is_calibrated = true;
+            if let Err(refused) = self.explore() {
+                self.fail(refused.0);
+            }
+        } else if whole {
             (self.activity, self.learned) = (SimulatorActivity::Idle, true);
         }
         self.cache.knowledge.invalidate_maps();
@@ -243,6 +264,8 @@ impl Simulator {
         if let Some(reason) = result.stopped {
             self.interrupted = std::mem::replace(&mut self.activity, SimulatorActivity::Stopped);
             self.note = Some(EpisodeError::Stopped(reason).to_string());
+        } else if result.mode_changed && self.activity == SimulatorActivity::Babble {
+            self.activity = SimulatorActivity::Calibrate;
         } else if result.mode_changed && self.activity == SimulatorActivity::Explore {
             self.activity = SimulatorActivity::Idle;
             self.controller.pilot().invalidate_cache(true);
@@ -313,7 +336,7 @@ impl Simulator {
 
     fn metrics(&mut self) -> &mut Metrics {
         match self.activity {
-            SimulatorActivity::Explore => &mut self.explored,
+            SimulatorActivity::Explore | SimulatorActivity::Babble => &mut self.explored,
             _ => &mut self.seeking,
         }
     }
@@ -349,7 +372,7 @@ impl Simulator {
     fn is_busy(&self) -> bool {
         let driven = matches!(
             self.activity,
-            SimulatorActivity::Explore | SimulatorActivity::Seek
+            SimulatorActivity::Explore | SimulatorActivity::Seek | SimulatorActivity::Babble
         );
         self.failure.is_none() && (driven || self.body.is_moving())
     }
@@ -362,16 +385,18 @@ impl ViewSource for Simulator {
             pace: true,
             carry: true,
             reset: true,
-            configure: true,
-            save: true,
-            load: self.controller.inner().is_local(),
+            configure: self.start.setup.robot.is_none(),
+            save: self.start.setup.robot.is_none(),
+            load: self.controller.inner().is_local() && self.start.setup.robot.is_none(),
             ..Capabilities::default()
         }
     }
 
     fn step(&mut self) -> StepOutcome {
         match self.activity {
-            SimulatorActivity::Learn if self.failure.is_none() => self.learn(),
+            SimulatorActivity::Learn | SimulatorActivity::Calibrate if self.failure.is_none() => {
+                self.learn()
+            }
             _ if self.is_busy() => self.drive(),
             _ => StepOutcome::Idle,
         }

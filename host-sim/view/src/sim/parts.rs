@@ -3,15 +3,18 @@
 use super::{Simulator, SimulatorActivity};
 use crate::dto::{displacements, millimeters, plan_dto, pose_dto, ring, shape_dto, xy};
 use crate::snapshot::{
-    DriveCounts, LiveState, PartMessage, RingValues, Rounded, SceneDto, Snapshot, SnapshotPart,
+    DriveCounts, LiveState, PartMessage, RingValues, Rounded, SceneDto, SensorDto, Snapshot,
+    SnapshotPart,
 };
 use crate::source::ViewSource as _;
 use amp::config::PlannerKind;
 use amp::planner::difference;
-use arena::robot::COLLISION_RADIUS_M;
+use amp::turret::BodySpec;
+use arena::robot_model::SensorMount;
 use arena::sonar::RingGeometry;
 use arena::world::World;
 use sim::behavior::Behavior;
+use sim::robot::AnyRobot;
 use std::sync::Arc;
 
 impl Simulator {
@@ -59,6 +62,9 @@ impl Simulator {
             _ => (self.perceived(), self.body.look(), pose),
         };
         let (mode, progress) = self.mode();
+        let robot = self.start.setup.robot.as_ref();
+        let count = robot.map(|robot| robot.mounts().len());
+        let perceived = self.controller.inner().perceived_body();
         LiveState {
             time_s: Rounded(self.body.time_s()),
             step_s: Rounded(self.step_s),
@@ -70,7 +76,15 @@ impl Simulator {
             resumes: self.activity == SimulatorActivity::Stopped
                 && self.interrupted != SimulatorActivity::Idle,
             progress: Rounded(progress),
-            ranges_m: ranges_m.map(|range| range.map(Rounded)),
+            ranges_m: match &perceived {
+                None => ranges_m.map(|range| range.map(Rounded)),
+                Some((ring, _)) => ring.map(|range| Some(millimeters(range?.as_mm()))),
+            },
+            beams_m: count.map(|count| {
+                let ranges = ranges_m.iter().take(count);
+                ranges.map(|range| range.map(Rounded)).collect()
+            }),
+            found: perceived.and_then(|(_, body)| Some(found(&body, count?))),
             enabled: std::array::from_fn(|sensor| {
                 self.controller.inner().enabled().contains(sensor)
             }),
@@ -116,6 +130,15 @@ impl Simulator {
         match self.activity {
             _ if self.failure.is_some() => ("failed", 0.0),
             SimulatorActivity::Idle => ("idle", 0.0),
+            SimulatorActivity::Babble => {
+                let moves = f64::from(self.start.setup.calibration_moves().max(1));
+                let left = self.controller.inner().babble_moves_left();
+                (
+                    "babble",
+                    left.map_or(0.5, |left| 1.0 - f64::from(left) / moves),
+                )
+            }
+            SimulatorActivity::Calibrate => ("calibrate", 0.5),
             SimulatorActivity::Explore => ("explore", f64::from(self.explored.steps) / moves),
             SimulatorActivity::Learn => ("learn", f64::from(self.learning) / learning_ticks(self)),
             SimulatorActivity::Seek => ("seek", 0.0),
@@ -150,6 +173,17 @@ fn scene(simulator: &Simulator) -> SceneDto {
     let (world, setup) = (simulator.body.world(), &simulator.start.setup);
     let config = &simulator.config;
     let (low, high) = world.bounds();
+    let robot = setup.robot.as_ref();
+    let (face_radius_m, half_angle_rad) = match robot {
+        None => (
+            RingGeometry::default().face_radius_m,
+            setup.sonar.config().half_angle_rad,
+        ),
+        Some(robot) => (
+            f64::from(robot.body().points.face_radius_mm) / 1e3,
+            robot.sensing(setup.sonar).half_angle_rad,
+        ),
+    };
     let about = |name: &str| [name.to_owned(), Behavior::about(name).to_owned()];
     let mut worlds: Vec<_> = World::builtin_names()
         .iter()
@@ -163,8 +197,10 @@ fn scene(simulator: &Simulator) -> SceneDto {
         bounds: [xy(low), xy(high)],
         shapes: world.shapes().iter().map(shape_dto).collect(),
         start: xy(world.start().position),
-        radii_m: [COLLISION_RADIUS_M, RingGeometry::default().face_radius_m].map(Rounded),
-        half_angle_rad: Rounded(setup.sonar.config().half_angle_rad),
+        radii_m: [simulator.body.radius_m(), face_radius_m].map(Rounded),
+        half_angle_rad: Rounded(half_angle_rad),
+        robot: robot.map(|robot| robot.model().name.clone()),
+        sensors: robot.map(sensors),
         near_far_m: [config.encoding.near_mm, config.encoding.far_mm].map(millimeters),
         step_m: millimeters(config.robot.step_mm),
         seed: setup.seed.to_string(),
@@ -184,4 +220,32 @@ fn scene(simulator: &Simulator) -> SceneDto {
             .map(|preset| preset.name.to_owned())
             .collect(),
     }
+}
+
+/// Where a robot's sensors stand and look, in the order of the controller's inputs.
+fn sensors(robot: &AnyRobot) -> Vec<SensorDto> {
+    let mounts = robot.mounts().into_iter();
+    let dto = |mount: SensorMount| {
+        let SensorMount {
+            position,
+            bearing_rad,
+            ..
+        } = mount;
+        [position.x, position.y, bearing_rad].map(Rounded)
+    };
+    mounts.map(dto).collect()
+}
+
+/// Where the controller takes the sensors to stand and look; `None` for those that it does not use.
+fn found(body: &BodySpec<16>, count: usize) -> Vec<Option<SensorDto>> {
+    let dto = |sensor: usize| {
+        let mount = body
+            .mounts
+            .get(sensor)
+            .filter(|_| body.enabled.contains(sensor))?;
+        let [x, y] = [mount.position.dx_mm, mount.position.dy_mm].map(|mm| f64::from(mm) / 1e3);
+        let turns = f64::from(mount.axis.as_turns()) / 65_536.0;
+        Some([x, y, turns * std::f64::consts::TAU].map(Rounded))
+    };
+    (0..count).map(dto).collect()
 }

@@ -3,7 +3,8 @@ use crate::actuation::Actuation;
 use crate::controller::{Motion, NomadState, StopReason};
 use crate::points::PointLimits;
 use crate::som::Grid;
-use crate::units::{Bearing, Range};
+use crate::turret::Mount;
+use crate::units::{Bearing, Displacement, Range};
 
 type Sensors = MountedSensors<16, 16, 256>;
 

@@ -28,6 +28,17 @@ impl<'w> Body<'w> {
         sonar: SonarModel,
         noise_seed: u64,
     ) -> Self {
+        Self::of_robot_within(Cow::Borrowed(world), robot, sonar, noise_seed)
+    }
+
+    /// As [`of_robot`](Self::of_robot); an owned world can be replaced later.
+    #[must_use]
+    pub fn of_robot_within(
+        world: Cow<'w, World>,
+        robot: &AnyRobot,
+        sonar: SonarModel,
+        noise_seed: u64,
+    ) -> Self {
         let mut noise = Noise::new(noise_seed);
         let config = robot.sensing(sonar);
         let ring = Ring::with_mounts(sonar, &robot.mounts(), config, &mut noise);
@@ -42,7 +53,7 @@ impl<'w> Body<'w> {
             noise,
             odometer: Odometer::new(start),
             wrong_base: WrongBase::new(robot.miswiring()),
-            ..Self::within(Cow::Borrowed(world), sonar, turret, noise_seed)
+            ..Self::within(world, sonar, turret, noise_seed)
         }
     }
 
