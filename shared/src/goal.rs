@@ -192,6 +192,17 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         Self::place(situation.map(Component::equal))
     }
 
+    /// The same goal for these transducers only: of the others nothing was known.
+    #[must_use]
+    pub fn for_known(mut self, known: Mask) -> Self {
+        for (sensor, component) in self.components.iter_mut().enumerate() {
+            if !known.contains(sensor) {
+                *component = Component::ANY;
+            }
+        }
+        self
+    }
+
     /// These components as a place to come back to, from behind corners as well.
     #[must_use]
     pub fn place(components: [Component; SENSORS]) -> Self {
@@ -438,5 +449,16 @@ mod tests {
         // A disabled transducer has no bounds.
         let without = Mask::ALL.without(0);
         assert!(is_met(100, without) && !is_met(101, without));
+    }
+
+    #[test]
+    fn a_goal_asks_nothing_of_what_was_not_known() {
+        let situation = [Weight::from_bits(4_000); 16];
+        let known = Mask::NONE.with(2).with(9);
+        let goal = Goal::perceived(&situation).for_known(known);
+        for (sensor, component) in goal.components.iter().enumerate() {
+            assert_eq!(*component == Component::ANY, !known.contains(sensor));
+        }
+        assert_eq!(goal.components[2], Component::equal(situation[2]));
     }
 }

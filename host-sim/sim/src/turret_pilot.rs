@@ -135,6 +135,7 @@ mod tests {
     use crate::episode::{Episode, Setup, run};
     use crate::robot::{AnyRobot, Miswiring, Origin, Ranges};
     use amp::config::Config;
+    use arena::loaders::rooms;
     use arena::robot::TurretMode;
     use arena::robot_model::RobotModel;
     use arena::sonar::SonarModel;
@@ -148,7 +149,12 @@ mod tests {
     }
 
     fn drive(robot: AnyRobot, sonar: SonarModel, steps: u32, seed: u64) -> Episode {
-        let setup = Setup {
+        let setup = setup(robot, sonar, steps, seed);
+        run(&World::random(seed), &setup, |_, _, _| {}).expect("it drives")
+    }
+
+    fn setup(robot: AnyRobot, sonar: SonarModel, steps: u32, seed: u64) -> Setup {
+        Setup {
             config: robot.config(Config::recommended()),
             preset: "default".to_owned(),
             behavior: Behavior::Avoid,
@@ -161,8 +167,7 @@ mod tests {
             set_down: None,
             faults: Vec::new(),
             record: false,
-        };
-        run(&World::random(seed), &setup, |_, _, _| {}).expect("it drives")
+        }
     }
 
     /// The first 20 random moves alone leave 5.6° of error on average, all 100 leave 3.9°.
@@ -174,6 +179,24 @@ mod tests {
         });
         let mean = errors.sum::<f64>() / 12.0;
         assert!(mean < 4.7, "{mean}");
+    }
+
+    /// At its first decision a P3-DX has not seen four of sixteen sectors: the nest is what it saw.
+    #[test]
+    fn a_body_comes_back_to_its_nest_by_what_it_saw_there() {
+        let reached = (300..308).filter(|&seed| {
+            let model = RobotModel::builtin("p3dx").expect("built in");
+            let robot = AnyRobot::new(model, Ranges::Nomad, true).expect("it fits");
+            let setup = Setup {
+                behavior: Behavior::Nest,
+                ..setup(robot, SonarModel::Ideal, 300, seed)
+            };
+            let world = rooms::small(seed);
+            let episode = run(&world, &setup, |_, _, _| {}).expect("it drives");
+            episode.report.success > 0.0
+        });
+        let reached = reached.count();
+        assert!(reached >= 6, "{reached} of 8");
     }
 
     /// The base is turned, mirrored and scaled. Who learns that drives cleanly, who believes it

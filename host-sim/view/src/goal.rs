@@ -174,6 +174,12 @@ impl ActiveGoal {
         }))
     }
 
+    /// Whether the present part is to come back to where the exploration began.
+    pub fn is_nest(&self) -> bool {
+        let parts = self.as_behavior().map_or(&[][..], Behavior::parts);
+        parts.get(self.part) == Some(&Behavior::Nest)
+    }
+
     /// The goal situation; `nest` is the situation before the first move.
     pub fn goal(&self, config: &Config<16>, nest: &Situation<16>) -> Goal<16> {
         match &self.kind {

@@ -3,7 +3,7 @@
 use super::{FrameSink, Node};
 use crate::body::Body;
 use crate::controller::{Command, Event, Mode};
-use crate::goal::{Component, Goal};
+use crate::goal::Goal;
 use crate::memory;
 use crate::parameters::Parameter;
 use crate::units::{Bearing, Displacement, Millis, Range};
@@ -218,21 +218,16 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<S
             GoalSpec::Components(goal) => Ok(goal),
             GoalSpec::Saved(name) => self.goals.find(name).copied().ok_or(Refusal::NoSuchGoal),
             GoalSpec::Perceived => {
-                let scan = self.state.scan();
-                if !scan.has_heard_all(self.state.enabled(&self.config)) {
+                let (scan, known) = (self.state.scan(), self.state.enabled(&self.config));
+                if !scan.has_heard_all(known) {
                     return Err(Refusal::NoSituation);
                 }
-                Ok(Goal::perceived(&self.config.encoding.situation(scan)))
+                let situation = self.config.encoding.situation(scan);
+                Ok(Goal::perceived(&situation).for_known(known))
             }
             GoalSpec::Situation(bytes) => {
                 let (situation, believed) = memory::from_bytes(&bytes);
-                let mut goal = Goal::perceived(&situation);
-                for (sensor, component) in goal.components.iter_mut().enumerate() {
-                    if !believed.contains(sensor) {
-                        *component = Component::ANY;
-                    }
-                }
-                Ok(goal)
+                Ok(Goal::perceived(&situation).for_known(believed))
             }
         }
     }

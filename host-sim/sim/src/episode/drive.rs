@@ -8,12 +8,13 @@ use super::record::StepRecorder;
 use super::setup::Setup;
 use crate::behavior::Behavior;
 use crate::error::EpisodeError;
-use crate::pilot::{InspectableController, LocalController, Pilot};
+use crate::pilot::{InspectableController, LocalController, Pilot, SimState};
 use crate::recording::Recording;
 use crate::robot::Origin;
 use crate::turret_pilot::TurretController;
 use amp::controller::{Command, Decision, Event};
-use amp::fixed::Weight;
+use amp::fixed::{Mask, Weight};
+use amp::memory;
 use amp::scan::Situation;
 use amp::units::Millis;
 use arena::world::{Point, World};
@@ -93,6 +94,7 @@ pub fn run_observed<'w>(
     mut progress: impl FnMut(Phase, u32, u32),
 ) -> Result<Episode, EpisodeError> {
     let (mut runner, exploration) = explored(world, setup, controller, observer, &mut progress)?;
+    runner.nest_known = nest_known(controller.knowledge()?);
     runner.set_scene(setup);
     let began_s = runner.body.time_s();
     runner.pursue(controller, setup, |done| {
@@ -127,6 +129,13 @@ pub fn run_observed<'w>(
         recording,
         bearing_errors_deg,
     })
+}
+
+/// What was known in the situation before the first move: a body's sensors do not see all at once.
+#[must_use]
+pub fn nest_known(knowledge: &SimState) -> Mask {
+    let first = knowledge.memory().samples().first();
+    first.map_or(Mask::ALL, |sample| memory::from_bytes(&sample.before).1)
 }
 
 /// Makes a controller explore and learn; returns the runner and the metrics of the random moves.
@@ -235,8 +244,9 @@ pub(super) struct EpisodeRunner<'w> {
     /// The current behavior, and its index in a chain.
     pub(super) behavior: Behavior,
     pub(super) part: usize,
-    /// Situation before the first move.
+    /// Situation before the first move, and what was known of it.
     pub(super) nest: Situation<16>,
+    pub(super) nest_known: Mask,
     first: bool,
     /// The current step.
     pub(super) open: Option<StepFlags>,
@@ -257,6 +267,7 @@ impl<'w> EpisodeRunner<'w> {
             behavior: Behavior::Avoid,
             part: 0,
             nest: [Weight::ZERO; 16],
+            nest_known: Mask::ALL,
             first: true,
             open: None,
             recorder: record.then(StepRecorder::default),

@@ -74,7 +74,10 @@ impl EpisodeRunner<'_> {
         let alone = parts.len() == 1;
         for (number, part) in parts.iter().enumerate() {
             (self.behavior, self.part) = (part.clone(), number);
-            let goal = part.goal(&setup.config, &self.nest);
+            let mut goal = part.goal(&setup.config, &self.nest);
+            if *part == Behavior::Nest {
+                goal = goal.for_known(self.nest_known);
+            }
             self.command(pilot, Command::Seek(goal))?;
             let begun = self.metrics.clone();
             // A single behavior uses all steps; in a chain each decision may be the last.

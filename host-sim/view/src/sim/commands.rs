@@ -16,7 +16,7 @@ use files::error::BadInput;
 use files::hex::unhex;
 use remote::link::{AnyController, Knowledge};
 use remote::log::LoggedController;
-use sim::episode::{CARRY_TIME_S, Seeds};
+use sim::episode::{CARRY_TIME_S, Seeds, nest_known};
 
 impl Simulator {
     pub(super) fn execute_command(
@@ -138,7 +138,10 @@ impl Simulator {
 
     /// Sends the goal to the controller; of a chain the current part.
     pub(super) fn pursue(&mut self) -> Result<(), CommandRefused> {
-        let goal = self.goal.goal(&self.config, &self.nest());
+        let mut goal = self.goal.goal(&self.config, &self.nest());
+        if self.goal.is_nest() {
+            goal = goal.for_known(nest_known(self.controller.pilot().cached_state()?));
+        }
         self.command(Command::Seek(goal))
     }
 
