@@ -86,7 +86,7 @@ fn changed(goal: impl Fn(&Config<16>, &Situation<16>) -> Goal<16>) -> usize {
         let before = robot.mind.clone();
         robot.twin = Some(before.clone());
         let encoding = robot.config.encoding;
-        let nest = perceive(&world, world.start(), None, SonarModel::Ideal, 1, encoding);
+        let (nest, _) = perceive(&world, world.start(), None, SonarModel::Ideal, 1, encoding);
         let goal = goal(&robot.config, &nest);
         let outputs = robot.send(body.now(), Command::Seek(goal));
         // No move, no change of memory or maps ...

@@ -138,7 +138,7 @@ fn setup(scene: &BehaviorScene, trial: &BehaviorTrial, world: &World, seed: u64)
     }
 }
 
-/// A demonstrated situation: what an exact ring reports at a free position drawn by `seed`.
+/// A demonstrated situation: what exact sensors report at a free position drawn by `seed`.
 fn show(world: &World, trial: &BehaviorTrial, seed: u64) -> Behavior {
     let mut noise = Noise::new(seed);
     let start = world.start();
@@ -147,6 +147,8 @@ fn show(world: &World, trial: &BehaviorTrial, seed: u64) -> Behavior {
     let place = elsewhere(world, radius_m, start.position, &mut noise);
     let pose = Pose::new(place, start.heading);
     let encoding = trial.config.encoding;
-    let situation = perceive(world, pose, robot, SonarModel::Ideal, seed, encoding);
-    Behavior::Seek(Box::new(GoalFile::perceived("shown", &situation, place)))
+    let (situation, known) = perceive(world, pose, robot, SonarModel::Ideal, seed, encoding);
+    Behavior::Seek(Box::new(GoalFile::perceived(
+        "shown", &situation, known, place,
+    )))
 }

@@ -3,7 +3,8 @@
 //! A file holds either a perceived situation:
 //!
 //! ```toml
-//! # By sonar (0 ahead, counter-clockwise): 1 = near limit, 0 = nothing within the far limit.
+//! # By sonar (0 ahead, counter-clockwise): 1 = near limit, 0 = nothing within the far limit,
+//! # nan = not known.
 //! situation = [0.5, 0.4, 0.2, 0.0, 0.0, 0.1, 0.3, 0.2, 0.1, 0.0, 0.0, 0.0, 0.2, 0.4, 0.5, 0.5]
 //! place_m = [1.5, -0.5]   # optional; only measures success, the controller never uses it
 //! ```
@@ -21,7 +22,7 @@
 //! weight = 2              # weight of a deviation; 1 by default
 //! ```
 
-use amp::fixed::Weight;
+use amp::fixed::{Mask, Weight};
 use amp::goal::{Component, Goal};
 use amp::scan::Situation;
 use arena::world::{MAX_COORDINATE_M, Point};
@@ -68,13 +69,13 @@ struct SonarBounds {
 type ParseError = (Option<Range<usize>>, String);
 
 impl GoalFile {
-    /// A situation perceived at a place.
+    /// What was known of a situation at a place.
     #[must_use]
-    pub fn perceived(path: &str, situation: &Situation<16>, place: Point) -> Self {
+    pub fn perceived(path: &str, situation: &Situation<16>, known: Mask, place: Point) -> Self {
         let millimeters = |m: f64| libm::rint(m * 1e3) as i32;
         Self {
             path: path.to_owned(),
-            components: situation.map(Component::equal),
+            components: Goal::perceived(situation).for_known(known).components,
             place_mm: Some([place.x, place.y].map(millimeters)),
         }
     }
@@ -121,14 +122,18 @@ impl GoalFile {
 
 /// Text of a goal file for a captured situation; `remark` becomes a comment.
 #[must_use]
-pub fn text(situation: &Situation<16>, place: Point, remark: &str) -> String {
-    let values: Vec<_> = situation
-        .iter()
-        .map(|value| format!("{:?}", value.to_num::<f64>()))
-        .collect();
+pub fn text(situation: &Situation<16>, known: Mask, place: Point, remark: &str) -> String {
+    let value = |(sonar, value): (usize, &Weight)| {
+        if known.contains(sonar) {
+            format!("{:?}", value.to_num::<f64>())
+        } else {
+            "nan".to_owned()
+        }
+    };
+    let values: Vec<_> = situation.iter().enumerate().map(value).collect();
     format!(
         "# {remark}\n# By sonar (0 ahead, counter-clockwise): 1 = as near as the near limit, 0 = nothing within the far \
-         limit.\nsituation = [{}]\nplace_m = [{:?}, {:?}]\n",
+         limit, nan = not known.\nsituation = [{}]\nplace_m = [{:?}, {:?}]\n",
         values.join(", "),
         place.x,
         place.y
@@ -162,11 +167,20 @@ fn situation(values: &Spanned<Vec<Spanned<f64>>>) -> Result<[Component; 16], Par
     }
     for (component, value) in components.iter_mut().zip(values.get_ref()) {
         let number = *value.get_ref();
+        if number.is_nan() {
+            continue;
+        }
         if !(0.0..=1.0).contains(&number) {
-            let what = format!("each value of situation must lie in 0..=1, not be {number}");
+            let what = format!(
+                "each value of situation must lie in 0..=1 or be nan (not known), not {number}"
+            );
             return Err((Some(value.span()), what));
         }
         *component = Component::equal(Weight::from_num(number));
+    }
+    if components == [Component::ANY; 16] {
+        let what = "situation: 16 times nan asks for nothing".to_owned();
+        return Err((Some(values.span()), what));
     }
     Ok(components)
 }
@@ -251,9 +265,17 @@ mod tests {
     fn a_captured_situation_comes_back_to_the_bit() {
         let perceived: Situation<16> =
             core::array::from_fn(|i| Weight::from_bits(i as i16 * 545 + 17));
-        let written = text(&perceived, Point::new(1.5, -0.25), "as perceived");
+        let known = Mask::ALL.without(3);
+        let written = text(&perceived, known, Point::new(1.5, -0.25), "as perceived");
         let file = read(&written).unwrap();
-        assert_eq!(file.components, perceived.map(Component::equal));
+        for (sonar, (component, value)) in file.components.iter().zip(perceived).enumerate() {
+            let expected = if sonar == 3 {
+                Component::ANY
+            } else {
+                Component::equal(value)
+            };
+            assert_eq!(*component, expected, "{sonar}");
+        }
         assert_eq!(file.place_mm, Some([1_500, -250]));
     }
 
@@ -287,8 +309,8 @@ mod tests {
             ),
             ("[[sonar]]\nnumbers = [1]\nat_most = nan\n", Some(2), "NaN"),
             ("situation = [0.5, 1]\n", Some(1), "16 values"),
-            (&sixteen("1.5"), Some(2), "0..=1, not be 1.5"),
-            (&sixteen("nan"), Some(2), "NaN"),
+            (&sixteen("1.5"), Some(2), "0..=1 or be nan (not known), not 1.5"),
+            (&sixteen("nan"), Some(2), "asks for nothing"),
             (
                 &sixteen("\"near\""),
                 Some(2),

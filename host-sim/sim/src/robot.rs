@@ -203,21 +203,6 @@ impl AnyRobot {
         sensors.collect()
     }
 
-    /// The ring of sectors that its controller sees, as if it had a sensor for each.
-    pub(crate) fn ring_of_sectors(&self) -> Vec<SensorMount> {
-        let face_m = f64::from(self.body().points.face_radius_mm) / 1e3;
-        let kind = self.model.sensors.first().map(|sensor| sensor.kind);
-        let sector = |sector: u32| {
-            let bearing_rad = TAU * f64::from(sector) / 16.0;
-            SensorMount {
-                bearing_rad,
-                position: Point::unit(bearing_rad) * face_m,
-                kind: kind.unwrap_or(SensorKind::Sonar),
-            }
-        };
-        (0..16).map(sector).collect()
-    }
-
     /// Whether its sensors look to few sides, so that it has to look around.
     fn has_few_sensors(&self) -> bool {
         self.model.sensors.len() <= FEW_SENSORS

@@ -95,7 +95,7 @@ pub fn capture(args: &CaptureArgs, out: &mut impl Write) -> Result<(), CliError>
         .map_or(COLLISION_RADIUS_M, |robot| robot.model().radius_m);
     let pose = pose(&world, radius_m, args.at)?;
     let sonar = args.sonar.into();
-    let situation = perceive(
+    let (situation, known) = perceive(
         &world,
         pose,
         robot.as_ref(),
@@ -110,7 +110,7 @@ pub fn capture(args: &CaptureArgs, out: &mut impl Write) -> Result<(), CliError>
         f64::from(config.encoding.near_mm) / 1e3,
         f64::from(config.encoding.far_mm) / 1e3,
     );
-    let text = goal_file::text(&situation, pose.position, &remark);
+    let text = goal_file::text(&situation, known, pose.position, &remark);
     write(&args.out, &text)?;
     let Point { x, y } = pose.position;
     let file = args.out.display();

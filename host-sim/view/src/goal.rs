@@ -4,6 +4,7 @@ use super::command::{CommandOutcome, PageCommand, PageFile};
 use super::source::CommandRefused;
 use crate::snapshot::{GoalDto, Rounded};
 use amp::config::Config;
+use amp::fixed::Mask;
 use amp::fixed::Weight;
 use amp::goal::{Goal, GoalFrame};
 use amp::scan::Situation;
@@ -169,7 +170,7 @@ impl ActiveGoal {
         );
         Ok(CommandOutcome::File(PageFile {
             name: "goal.toml",
-            text: Some(goal_file::text(situation, *place, &remark)),
+            text: Some(goal_file::text(situation, Mask::ALL, *place, &remark)),
             hex: None,
         }))
     }

@@ -163,8 +163,10 @@ fn captured(world: &World, config: &Config<16>, seed: u64) -> Behavior {
         &mut Noise::new(seed),
     );
     let pose = Pose::new(place, start.heading);
-    let situation = perceive(world, pose, None, SonarModel::Ideal, seed, config.encoding);
-    Behavior::Seek(Box::new(GoalFile::perceived("captured", &situation, place)))
+    let (situation, known) = perceive(world, pose, None, SonarModel::Ideal, seed, config.encoding);
+    Behavior::Seek(Box::new(GoalFile::perceived(
+        "captured", &situation, known, place,
+    )))
 }
 
 fn world(worlds: Worlds, seed: u64) -> Result<World, BadInput> {

@@ -2,14 +2,16 @@
 
 use super::Seeds;
 use crate::robot::AnyRobot;
+use amp::fixed::Mask;
 use amp::scan::{Encoding, Situation};
 use amp::units::Range;
 use arena::noise::Noise;
 use arena::sonar::{FIRING_ORDER, FIRING_SLOT_S, Ring, SonarModel};
 use arena::world::{Pose, World};
 
-/// The situation of a whole ring at rest in `pose`: the Nomad's, or the ring of sectors that a
-/// robot's controller sees, complete and exact up to the sensors' noise. `seed` seeds the noise.
+/// The situation of a whole ring at rest in `pose`, and the transducers of which something is
+/// known: of another robot than the Nomad, the ring of sectors that its controller reads off what
+/// its sensors hear there. `seed` seeds the noise.
 #[must_use]
 pub fn perceive(
     world: &World,
@@ -18,25 +20,34 @@ pub fn perceive(
     sonar: SonarModel,
     seed: u64,
     encoding: Encoding,
-) -> Situation<16> {
+) -> (Situation<16>, Mask) {
     let mut noise = Noise::new(Seeds::of(seed).noise);
-    let mut ring = match robot {
-        None => Ring::new(sonar, &mut noise),
+    let (mut ring, count) = match robot {
+        None => (Ring::new(sonar, &mut noise), 16),
         Some(robot) => {
-            let (mounts, sensing) = (robot.ring_of_sectors(), robot.sensing(sonar));
-            Ring::with_mounts(sonar, &mounts, sensing, &mut noise)
+            let mounts = robot.mounts();
+            let sensing = robot.sensing(sonar);
+            let ring = Ring::with_mounts(sonar, &mounts, sensing, &mut noise);
+            (ring, mounts.len())
         }
     };
     let mut ranges = [None; 16];
     for (slot, &sensor) in FIRING_ORDER.iter().enumerate() {
         let time_s = slot as f64 * FIRING_SLOT_S;
-        if let Some(range) = ranges.get_mut(sensor) {
+        if let Some(range) = ranges.get_mut(sensor).filter(|_| sensor < count) {
             *range = ring.ping(world, &pose, sensor, time_s, &mut noise);
         }
     }
     // A range beyond 65 m cannot come from a sonar; the cast saturates.
     let millimeters = |m: f64| Range::from_mm((m * 1e3) as u16);
-    ranges.map(|range: Option<f64>| encoding.value(range.map(millimeters)))
+    let (ranges, known) = match robot {
+        None => (
+            ranges.map(|range: Option<f64>| range.map(millimeters)),
+            Mask::ALL,
+        ),
+        Some(robot) => robot.ring_of(ranges.get(..count).unwrap_or(&ranges)),
+    };
+    (ranges.map(|range| encoding.value(range)), known)
 }
 
 #[cfg(test)]
@@ -52,7 +63,7 @@ mod tests {
         let config = Config::recommended();
         for seed in 0..5 {
             let world = World::random(seed);
-            let captured = perceive(
+            let (captured, _) = perceive(
                 &world,
                 world.start(),
                 None,

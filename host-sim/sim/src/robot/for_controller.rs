@@ -4,11 +4,11 @@ use super::{AnyRobot, MAX_BEAMS, bearing};
 use amp::actuation::Actuation;
 use amp::config::{Config, Exploration, Learning};
 use amp::fixed::Mask;
-use amp::points::PointLimits;
+use amp::points::{Beam, PointLimits, PointMemory};
 use amp::robot::{RobotSpec, evenly_spaced};
 use amp::scan::Encoding;
 use amp::turret::{BodySpec, Mount};
-use amp::units::Displacement;
+use amp::units::{Displacement, Range};
 
 /// Distance from the body that a random move leaves while it finds its sensors, mm of the Nomad's.
 const BABBLE_MARGIN_MM: u16 = 30;
@@ -48,6 +48,30 @@ impl AnyRobot {
             guard_mm: guard_m.map(|m| (m * 1e3).round() as u16),
             babble_margin_mm: self.scaled_mm(BABBLE_MARGIN_MM),
         }
+    }
+
+    /// The ring of sectors that its controller reads off these ranges of its sensors, m, at rest and
+    /// without having been elsewhere; and which of the sectors are known.
+    pub(crate) fn ring_of(&self, ranges: &[Option<f64>]) -> ([Option<Range>; 16], Mask) {
+        let limits = self.body().points;
+        let mut points = PointMemory::<16>::new();
+        for (mount, range) in self.mounts().into_iter().zip(ranges) {
+            let silence = self.silence_mm().map(Range::from_mm);
+            // A range beyond 65 m cannot come from a sensor; the cast saturates.
+            let echo = range.map(|m| Range::from_mm((m * 1e3) as u16));
+            let Some(seen) = echo.or(silence) else {
+                continue;
+            };
+            let [x, y] = [mount.position.x, mount.position.y].map(|m| (m * 1e3).round() as i32);
+            let beam = Beam {
+                mount: Displacement::saturating(x, y),
+                axis: bearing(mount.bearing_rad),
+                range: seen,
+                is_echo: echo.is_some(),
+            };
+            points.hear(&limits, &beam);
+        }
+        points.ring(&limits)
     }
 
     /// The configuration for the ring of sectors that the controller sees: lengths scaled to the
