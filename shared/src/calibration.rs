@@ -8,8 +8,8 @@
 //! Learning of sensors' places from motor babbling: Pierce & Kuipers 1997, *Map learning with
 //! uninterpreted sensors and effectors*; Stober, Fishgold & Kuipers 2009, *Sensor map discovery for
 //! developing robots*. Needs a body that turns on the spot, and odometry. That may be wrong: how
-//! far the base goes and turns, and which way is ahead, is learned as well
-//! ([`solve_all`](Calibration::solve_all)).
+//! far the base goes and turns, and which way is ahead, is learned as well where a [`Solver`] is
+//! asked for that.
 
 use crate::fixed::Mask;
 use crate::units::{Bearing, Displacement, Range};

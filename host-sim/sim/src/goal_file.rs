@@ -309,7 +309,11 @@ mod tests {
             ),
             ("[[sonar]]\nnumbers = [1]\nat_most = nan\n", Some(2), "NaN"),
             ("situation = [0.5, 1]\n", Some(1), "16 values"),
-            (&sixteen("1.5"), Some(2), "0..=1 or be nan (not known), not 1.5"),
+            (
+                &sixteen("1.5"),
+                Some(2),
+                "0..=1 or be nan (not known), not 1.5",
+            ),
             (&sixteen("nan"), Some(2), "asks for nothing"),
             (
                 &sixteen("\"near\""),

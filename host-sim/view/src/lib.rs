@@ -10,6 +10,7 @@ pub mod command;
 mod configure;
 mod connections;
 pub mod control_lock;
+pub mod counts;
 mod dto;
 mod echo_trail;
 mod goal;

@@ -3,6 +3,7 @@
 //! A snapshot consists of parts with the fields `part`, `index` and `value`; each part is sent when
 //! it has changed. All field names are part of the protocol.
 
+pub use super::counts::DriveCounts;
 use super::source::Capabilities;
 use serde::{Serialize, Serializer};
 use std::sync::{Arc, OnceLock};
@@ -360,27 +361,6 @@ pub struct GoalDto {
     pub neuron: Option<usize>,
     /// Where it was captured, if known.
     pub place: Option<Xy>,
-}
-
-/// Counts since the start.
-#[derive(Debug, Clone, Default, Serialize)]
-pub struct DriveCounts {
-    /// Random moves, and those with a contact.
-    pub explored: [u32; 2],
-    /// Decisions with a goal.
-    pub steps: u32,
-    /// Those with a contact.
-    pub contacts: u32,
-    /// Those that the shield shortened.
-    pub shielded: u32,
-    /// Those at the goal.
-    pub at_goal: u32,
-    /// Path length, meters.
-    pub distance_m: Rounded,
-    /// Least gap to any surface, meters.
-    pub clearance_m: Option<Rounded>,
-    /// Area swept, square meters, if known.
-    pub coverage_m2: Option<Rounded>,
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use super::drive::EpisodeRunner;
 use super::setup::Setup;
 use crate::error::EpisodeError;
 use crate::pilot::Pilot;
+use amp::controller::Event;
 
 impl EpisodeRunner<'_> {
     /// Drives until the controller knows where its sensors look, if it is not told. Each of its
@@ -46,5 +47,19 @@ impl EpisodeRunner<'_> {
         }
         self.close();
         self.think(pilot)
+    }
+
+    /// Lets time pass until the controller has worked something out.
+    pub(super) fn think(&mut self, controller: &mut impl Pilot) -> Result<(), EpisodeError> {
+        loop {
+            let outputs = controller.handle(self.body.now(), Event::Tick);
+            controller.failure().map_or(Ok(()), Err)?;
+            if let Some(reason) = outputs.stopped {
+                return Err(EpisodeError::Stopped(reason));
+            }
+            if outputs.mode_changed {
+                return Ok(());
+            }
+        }
     }
 }

@@ -1,8 +1,10 @@
-//! The situation that a robot at rest perceives at a given pose.
+//! The situation that a robot at rest perceives at a given pose, and what is known of it.
 
 use super::Seeds;
+use crate::pilot::SimState;
 use crate::robot::AnyRobot;
 use amp::fixed::Mask;
+use amp::memory;
 use amp::scan::{Encoding, Situation};
 use amp::units::Range;
 use arena::noise::Noise;
@@ -48,6 +50,13 @@ pub fn perceive(
         Some(robot) => robot.ring_of(ranges.get(..count).unwrap_or(&ranges)),
     };
     (ranges.map(|range| encoding.value(range)), known)
+}
+
+/// What was known in the situation before the first move: a body's sensors do not see all at once.
+#[must_use]
+pub fn nest_known(knowledge: &SimState) -> Mask {
+    let first = knowledge.memory().samples().first();
+    first.map_or(Mask::ALL, |sample| memory::from_bytes(&sample.before).1)
 }
 
 #[cfg(test)]

@@ -2,19 +2,19 @@
 
 use super::Seeds;
 use super::body::{Body, Collision, StepResult, milliseconds};
+use super::capture::nest_known;
 use super::measure::Measure;
 use super::metrics::{EpisodeReport, Metrics, StepFlags, rounded};
 use super::record::StepRecorder;
 use super::setup::Setup;
 use crate::behavior::Behavior;
 use crate::error::EpisodeError;
-use crate::pilot::{InspectableController, LocalController, Pilot, SimState};
+use crate::pilot::{InspectableController, LocalController, Pilot};
 use crate::recording::Recording;
 use crate::robot::Origin;
 use crate::turret_pilot::TurretController;
 use amp::controller::{Command, Decision, Event};
 use amp::fixed::{Mask, Weight};
-use amp::memory;
 use amp::scan::Situation;
 use amp::units::Millis;
 use arena::world::{Point, World};
@@ -129,13 +129,6 @@ pub fn run_observed<'w>(
         recording,
         bearing_errors_deg,
     })
-}
-
-/// What was known in the situation before the first move: a body's sensors do not see all at once.
-#[must_use]
-pub fn nest_known(knowledge: &SimState) -> Mask {
-    let first = knowledge.memory().samples().first();
-    first.map_or(Mask::ALL, |sample| memory::from_bytes(&sample.before).1)
 }
 
 /// Makes a controller explore and learn; returns the runner and the metrics of the random moves.
@@ -288,20 +281,6 @@ impl<'w> EpisodeRunner<'w> {
     fn learn(&mut self, controller: &mut impl Pilot) -> Result<(), EpisodeError> {
         self.command(controller, Command::Learn)?;
         self.think(controller)
-    }
-
-    /// Lets time pass until the controller has worked something out.
-    pub(super) fn think(&mut self, controller: &mut impl Pilot) -> Result<(), EpisodeError> {
-        loop {
-            let outputs = controller.handle(self.body.now(), Event::Tick);
-            controller.failure().map_or(Ok(()), Err)?;
-            if let Some(reason) = outputs.stopped {
-                return Err(EpisodeError::Stopped(reason));
-            }
-            if outputs.mode_changed {
-                return Ok(());
-            }
-        }
     }
 
     /// Drives until `is_over` or until the pilot changes its mode.

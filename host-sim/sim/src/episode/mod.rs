@@ -18,10 +18,9 @@ mod setup;
 
 pub use body::milliseconds;
 pub use body::{Body, Collision, Moved, StepResult};
-pub use capture::perceive;
+pub use capture::{nest_known, perceive};
 pub use drive::{
-    Episode, Observer, Phase, drive_pilot, explore_and_learn, nest_known, run, run_observed,
-    run_with,
+    Episode, Observer, Phase, drive_pilot, explore_and_learn, run, run_observed, run_with,
 };
 pub use leader::Leader;
 pub use measure::{FOLLOW_RANGE_M, FOLLOW_TIME_S, NEST_RADIUS_M};

@@ -50,8 +50,8 @@ impl AnyRobot {
         }
     }
 
-    /// The ring of sectors that its controller reads off these ranges of its sensors, m, at rest and
-    /// without having been elsewhere; and which of the sectors are known.
+    /// The ring of sectors that its controller reads off these ranges of its sensors, m, at rest
+    /// and without having been elsewhere; and which of the sectors are known.
     pub(crate) fn ring_of(&self, ranges: &[Option<f64>]) -> ([Option<Range>; 16], Mask) {
         let limits = self.body().points;
         let mut points = PointMemory::<16>::new();

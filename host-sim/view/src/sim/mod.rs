@@ -5,6 +5,7 @@
 
 mod commands;
 mod parts;
+mod think;
 
 use super::command::{CommandOutcome, PageCommand};
 use super::dto::KnowledgeParts;
@@ -28,9 +29,6 @@ use sim::pilot::Pilot as _;
 use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
-
-/// Ticks of learning per step of the view, and the simulated duration of such a step, seconds.
-const LEARNING: (u32, f64) = (50, 0.04);
 
 /// Rings without a decision after which the controller counts as silent.
 const MAX_SILENT_RINGS: f64 = 100.0;
@@ -217,35 +215,6 @@ impl Simulator {
         self.failure = Some(why);
     }
 
-    fn learn(&mut self) -> StepOutcome {
-        let (ticks, took_s) = LEARNING;
-        let now = self.body.now();
-        let mut whole = false;
-        for _ in 0..ticks {
-            self.learning += 1;
-            let outputs = self.controller.handle(now, Event::Tick);
-            whole = outputs.mode_changed;
-            self.check_controller();
-            if let Some(reason) = outputs.stopped {
-                self.fail(EpisodeError::Stopped(reason).to_string());
-            }
-            if whole || self.failure.is_some() {
-                break;
-            }
-        }
-        if whole && self.activity == SimulatorActivity::Calibrate {
-            self.is_calibrated = true;
-            if let Err(refused) = self.explore() {
-                self.fail(refused.0);
-            }
-        } else if whole {
-            (self.activity, self.learned) = (SimulatorActivity::Idle, true);
-        }
-        self.cache.knowledge.invalidate_maps();
-        self.controller.pilot().invalidate_cache(whole);
-        StepOutcome::Took { took_s, whole }
-    }
-
     fn drive(&mut self) -> StepOutcome {
         let began_s = self.body.time_s();
         let result = self.body.advance(&mut self.controller);
@@ -395,7 +364,7 @@ impl ViewSource for Simulator {
     fn step(&mut self) -> StepOutcome {
         match self.activity {
             SimulatorActivity::Learn | SimulatorActivity::Calibrate if self.failure.is_none() => {
-                self.learn()
+                self.think()
             }
             _ if self.is_busy() => self.drive(),
             _ => StepOutcome::Idle,
