@@ -10,6 +10,7 @@ fn main() {
 #[embedded_test::tests]
 mod tests {
     use amp::action_map::{ActionMap, Effect};
+    use amp::body::HeldRing;
     use amp::config::Config;
     use amp::controller::{State, StatePart};
     use amp::fixed::{Mask, Weight};
