@@ -51,6 +51,7 @@ pub use message::{
     Command, CommandRefusal, Decision, Event, Mode, Motion, Outputs, Progress, StopReason,
 };
 use motion::Pending;
+pub(crate) use motion::stale;
 pub use parts::{StatePart, TransferError};
 use search::SearchProgress;
 pub use tracked::Tracked;

@@ -11,7 +11,7 @@
 
 use crate::actuation::{Actuation, Odometer};
 use crate::config::Config;
-use crate::controller::{Event, Motion, Outputs, Progress};
+use crate::controller::{Event, Motion, Outputs, Progress, stale};
 use crate::fixed::Mask;
 use crate::points::{Beam, PointLimits, PointMemory};
 use crate::units::{Bearing, Displacement, Millis, Range};
@@ -226,6 +226,9 @@ where
         let Some(mount) = self.body.mounts.get(usize::from(sensor)) else {
             return Outputs::NONE;
         };
+        if let Some(age_ms) = self.controller.stale_ms(self.config, self.at) {
+            return stale(age_ms);
+        }
         if !self.body.enabled.contains(sensor.into()) {
             return Outputs::NONE;
         }
@@ -382,4 +385,4 @@ where
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

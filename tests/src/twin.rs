@@ -13,6 +13,7 @@ use amp::wire::message::{
 };
 use firmware::AnyBody;
 use firmware::control::RobotNode;
+use sim::episode::Body as SimulatedBody;
 use sim::pilot::Pilot;
 use sim::robot::AnyRobot;
 use std::time::Instant;
@@ -126,6 +127,27 @@ impl<B: Body<16>> NodeTwin<B> {
             command,
         });
         self.settle(0);
+    }
+
+    /// Drives both until they change their mode.
+    ///
+    /// # Panics
+    /// When they differ.
+    pub fn finish(&mut self, body: &mut SimulatedBody<'_>) {
+        while !body.advance(self).mode_changed {}
+    }
+
+    /// Drives both for so many decisions.
+    ///
+    /// # Panics
+    /// When they differ or stop.
+    pub fn decide(&mut self, body: &mut SimulatedBody<'_>, count: usize) {
+        let mut decisions = 0;
+        while decisions < count {
+            let result = body.advance(self);
+            decisions += usize::from(result.decision.is_some());
+            assert!(!result.mode_changed, "it stopped");
+        }
     }
 
     /// Lets both learn.

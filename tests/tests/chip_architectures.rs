@@ -43,15 +43,10 @@ fn episode(machine: &Machine) -> (EpisodeResult, u32) {
         moves: MOVES,
         seed: ROOM,
     });
-    while !body.advance(&mut twin).mode_changed {}
+    twin.finish(&mut body);
     twin.learn();
     twin.seek(GoalSpec::Avoid);
-    let mut decisions = 0;
-    while decisions < STEPS {
-        let result = body.advance(&mut twin);
-        decisions += usize::from(result.decision.is_some());
-        assert!(!result.mode_changed, "it stopped");
-    }
+    twin.decide(&mut body, STEPS);
     let knowledge = twin.compare_knowledge();
     assert!(knowledge >= 6_000, "{knowledge} bytes of knowledge");
     assert!(twin.compared() >= 25_000, "{} bytes", twin.compared());

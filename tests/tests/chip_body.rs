@@ -37,25 +37,20 @@ fn episode(machine: &Machine) -> u32 {
         seed: ROOM,
         actuators: false,
     });
-    while !body.advance(&mut twin).mode_changed {}
+    twin.finish(&mut body);
     twin.think();
     twin.command(RobotCommand::Explore {
         moves: 30,
         seed: ROOM,
     });
-    while !body.advance(&mut twin).mode_changed {}
+    twin.finish(&mut body);
     twin.learn();
     let [median_deg, worst_deg] = robot
         .bearing_errors_deg(twin.local().body().known())
         .expect("sensors were found");
     assert!(median_deg < 5.0, "{median_deg}°, at worst {worst_deg}°");
     twin.seek(GoalSpec::Avoid);
-    let mut decisions = 0;
-    while decisions < STEPS {
-        let result = body.advance(&mut twin);
-        decisions += usize::from(result.decision.is_some());
-        assert!(!result.mode_changed, "it stopped");
-    }
+    twin.decide(&mut body, STEPS);
     let knowledge = twin.compare_knowledge();
     assert!(knowledge >= 4_000, "{knowledge} bytes of knowledge");
     assert!(twin.compared() >= 25_000, "{} bytes", twin.compared());

@@ -33,16 +33,11 @@ fn episode(room: u64, sonar: SonarModel, steps: usize) {
         moves: 100,
         seed: room,
     });
-    while !body.advance(&mut twin).mode_changed {}
+    twin.finish(&mut body);
     twin.learn();
     let maps = twin.compare_knowledge();
     twin.seek(goal(room));
-    let mut decisions = 0;
-    while decisions < steps {
-        let happened = body.advance(&mut twin);
-        decisions += usize::from(happened.decision.is_some());
-        assert!(!happened.mode_changed, "it stopped");
-    }
+    twin.decide(&mut body, steps);
     let knowledge = twin.compare_knowledge();
     assert!(maps >= 6_000 && knowledge >= 6_000, "{maps} {knowledge}");
     let peak = twin.stack_peak_bytes();

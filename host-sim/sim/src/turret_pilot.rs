@@ -41,6 +41,13 @@ impl TurretController {
         }
     }
 
+    /// Replaces the configuration and keeps the knowledge.
+    pub fn configure(&mut self, config: Config<16>) {
+        self.state.trust(config.enabled);
+        self.state.expect_open_space(config.open_space);
+        self.config = config;
+    }
+
     /// The configuration.
     #[must_use]
     pub fn config(&self) -> &Config<16> {

@@ -6,7 +6,7 @@ use crate::config::Config;
 #[cfg(feature = "store")]
 use crate::config::MAX_CONFIG;
 use crate::controller::{
-    Command, CommandRefusal, Event, Mode, Outputs, Progress, State, handle, refused,
+    Command, CommandRefusal, Event, Mode, Outputs, Progress, State, handle, refused, stale,
 };
 use crate::fixed::Mask;
 use crate::turret::{self, BodySpec, VirtualTurret};
@@ -51,11 +51,12 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
         }
     }
 
-    /// Tells what the body is; what was found of another one is forgotten.
+    /// Tells what the body of a robot that stands is; what was found of another one is forgotten.
     pub fn tell(&mut self, body: &BodySpec<BEAMS>) {
         self.told.clone_from(body);
         self.known.clone_from(body);
         self.turret.restart();
+        self.solver.stop();
         self.listens = false;
     }
 
@@ -74,7 +75,7 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
     /// The body as the random moves so far show it, at once: for pictures, too long for a tick.
     #[must_use]
     pub fn sketch(&self) -> BodySpec<BEAMS> {
-        let found = Solver::new().solve(self.babble.calibration(), self.learns_actuation);
+        let found = Solver::solve(self.babble.calibration(), self.learns_actuation);
         self.told.with(&found)
     }
 
@@ -107,6 +108,9 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
         let mut outputs = Outputs::NONE;
         match event {
             Event::Echo { sensor, range } => {
+                if let Some(age_ms) = state.stale_ms(config, at) {
+                    return stale(age_ms);
+                }
                 let limits = self.babble_limits(config);
                 let next = self.babble.hear(&limits, sensor.into(), range, was_moving);
                 let left = self.babble.moves_left();
@@ -153,13 +157,16 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
             .begin(self.babble.calibration(), self.learns_actuation);
     }
 
-    /// A step of the solution; returns whether it was the last.
-    fn solve(&mut self) -> bool {
-        let found = self.solver.advance(self.babble.calibration());
-        if let Some(found) = &found {
-            self.known = self.told.with(found);
+    /// A step of the solution. With the last one it knows whether sensors were found; without any
+    /// the body stays as it was known.
+    fn solve(&mut self) -> Option<bool> {
+        let found = self.solver.advance(self.babble.calibration())?;
+        let body = self.told.with(&found);
+        let has_sensors = body.enabled != Mask::NONE;
+        if has_sensors {
+            self.known = body;
         }
-        found.is_some()
+        Some(has_sensors)
     }
 
     /// What the random moves for the maps tell of the sensors.
@@ -209,11 +216,10 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize> Body<SECTORS
         match (state.mode(), event) {
             (Mode::Babble { .. }, _) => return self.babble(config, state, at, event),
             (Mode::Calibrate, Event::Tick) => {
-                return if self.solve() || !self.solver.is_busy() {
-                    state.end_calibration(at, self.known.enabled != Mask::NONE)
-                } else {
-                    Outputs::NONE
-                };
+                let found = self.solve();
+                return found.map_or(Outputs::NONE, |has_sensors| {
+                    state.end_calibration(at, has_sensors)
+                });
             }
             (Mode::Learn { .. }, Event::Tick) if self.solver.is_busy() => {
                 self.solve();

@@ -117,7 +117,7 @@ impl Rig {
     }
 
     fn solve(&self, learns_actuation: bool) -> LearnedBody<8> {
-        Solver::new().solve(self.babble.calibration(), learns_actuation)
+        Solver::solve(self.babble.calibration(), learns_actuation)
     }
 
     fn errors_of(&self, solved: &[Option<Bearing>; 8]) -> Vec<f64> {
@@ -187,7 +187,7 @@ fn what_a_wrong_base_does_is_learned_with_the_bearings() {
 fn nothing_is_known_without_moves() {
     let calibration = Calibration::<8>::new();
     assert_eq!(calibration.alive(), Mask::NONE);
-    let learned = Solver::new().solve(&calibration, true);
+    let learned = Solver::solve(&calibration, true);
     assert_eq!(learned.bearings, [None; 8]);
     assert_eq!(learned.actuation, Actuation::EXACT);
 }

@@ -45,17 +45,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         sensor: u8,
         echo: Echo,
     ) -> Outputs<SENSORS> {
-        let age_ms = self.now.since(echo.at);
-        if age_ms > patience_ms(config) {
-            return stale(age_ms);
-        }
-        // Heard at another place, or older than a known echo.
-        if !self.moving && echo.at.is_before(self.waiting_since) {
+        if let Some(age_ms) = self.stale_ms(config, echo.at) {
             return stale(age_ms);
         }
         let index = usize::from(sensor);
         if (self.scan.heard_at(index)).is_some_and(|heard| echo.at.is_before(heard)) {
-            return stale(age_ms);
+            return stale(self.age_ms(echo.at));
         }
         if self.enabled(config).contains(index) {
             self.shield.hear(config, index, echo);
@@ -72,6 +67,18 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         };
         outputs.verdict = verdict;
         outputs
+    }
+
+    /// The age of what was heard at `at`, milliseconds.
+    fn age_ms(&self, at: Millis) -> u32 {
+        self.now.after(at)
+    }
+
+    /// The age of an echo that is not to be used: it is too old, or was heard at another place.
+    pub(crate) fn stale_ms(&self, config: &Config<SENSORS>, at: Millis) -> Option<u32> {
+        let age_ms = self.age_ms(at);
+        let is_of_elsewhere = !self.moving && at.is_before(self.waiting_since);
+        (age_ms > patience_ms(config) || is_of_elsewhere).then_some(age_ms)
     }
 
     /// Shortens the motion under way where the newest echo asks for it.
@@ -177,7 +184,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 }
 
-fn stale<const SENSORS: usize>(age_ms: u32) -> Outputs<SENSORS> {
+/// An echo of this age was not used.
+pub(crate) fn stale<const SENSORS: usize>(age_ms: u32) -> Outputs<SENSORS> {
     Outputs {
         stale_ms: Some(age_ms),
         ..Outputs::none()

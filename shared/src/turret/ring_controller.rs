@@ -22,6 +22,11 @@ pub trait RingController<const SECTORS: usize> {
     /// Whether it pursues a goal, so that a decision may be taken anew.
     fn pursues_goal(&self) -> bool;
 
+    /// The age of an echo heard at `at` that is not to be used, milliseconds; `None` = use it.
+    fn stale_ms(&self, _config: &Config<SECTORS>, _at: Millis) -> Option<u32> {
+        None
+    }
+
     /// Whether it orders a motion when the next ring is complete.
     fn awaits_ring(&self) -> bool;
 
@@ -56,6 +61,10 @@ impl<const SECTORS: usize, const NEURONS: usize, const SAMPLES: usize> RingContr
 
     fn pursues_goal(&self) -> bool {
         matches!(self.mode(), Mode::Seek { .. })
+    }
+
+    fn stale_ms(&self, config: &Config<SECTORS>, at: Millis) -> Option<u32> {
+        Self::stale_ms(self, config, at)
     }
 
     fn awaits_ring(&self) -> bool {

@@ -13,10 +13,18 @@ fn config() -> Config<16> {
     }
 }
 
-/// A ring of 16 sensors on a round body whose front has been turned by `turn` since the start.
+/// A ring of 16 sensors on a round body.
 fn ring_body(guard_mm: Option<u16>) -> BodySpec<16> {
+    BodySpec {
+        most_unseen: 16,
+        ..even_body(16, guard_mm)
+    }
+}
+
+/// So many sensors, evenly spaced on a round body that does not look around.
+pub(crate) fn even_body(count: usize, guard_mm: Option<u16>) -> BodySpec<16> {
     let mounts = core::array::from_fn(|sensor| {
-        let axis = Bearing::of_place(sensor, 16);
+        let axis = Bearing::of_place(sensor, count);
         Mount {
             position: Displacement::along(axis, 231),
             axis,
@@ -24,11 +32,11 @@ fn ring_body(guard_mm: Option<u16>) -> BodySpec<16> {
     });
     BodySpec {
         mounts,
-        enabled: Mask::ALL,
+        enabled: (0..count).fold(Mask::NONE, Mask::with),
         actuation: Actuation::EXACT,
         points: PointLimits::NOMAD,
         silence_mm: None,
-        most_unseen: 16,
+        most_unseen: u8::MAX,
         guard_mm,
         babble_margin_mm: 30,
     }
@@ -301,6 +309,35 @@ fn after_a_stop_a_whole_ring_is_heard_again() {
     };
     assert_eq!(rig.handle(last).motion, None);
     assert!(rig.hear([Some(900); 16]).is_some());
+}
+
+/// An echo that was under way when the motion ended was heard elsewhere.
+#[test]
+fn what_was_heard_at_another_place_completes_no_ring() {
+    let mut rig = Rig::new(ring_body(None));
+    rig.command(Command::Explore { moves: 9, seed: 5 });
+    let motion = rig.hear([Some(900); 16]).expect("a random move");
+    rig.ms += 100;
+    rig.report(motion, motion.displacement, 0, Progress::Ended);
+    let range = Some(Range::from_mm(900));
+    for sensor in 0..15 {
+        assert_eq!(rig.handle(Event::Echo { sensor, range }).motion, None);
+    }
+    let points = rig.turret.memory().len();
+    let last = Event::Echo { sensor: 15, range };
+    let _ = rig.handle(Event::Tick);
+    let before = Millis::from_ms(rig.ms - 60);
+    let late = handle(
+        &rig.config,
+        &rig.body,
+        &mut rig.turret,
+        &mut rig.state,
+        before,
+        last,
+    );
+    assert_eq!((late.motion, late.stale_ms), (None, Some(60)));
+    assert_eq!(rig.turret.memory().len(), points);
+    assert!(rig.handle(last).motion.is_some());
 }
 
 /// A body with one beam ahead that looks around.

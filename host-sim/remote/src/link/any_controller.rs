@@ -197,11 +197,7 @@ impl AnyController {
     pub fn configure(&mut self, config: &Config<16>) -> Result<(), LinkError> {
         match self {
             Self::Host(controller) => controller.configure(config.clone()),
-            Self::Body(_, robot) => {
-                let name = &robot.model().name;
-                let why = format!("the robot \"{name}\" keeps its configuration: restart");
-                return Err(LinkError::Open { why });
-            }
+            Self::Body(controller, _) => controller.configure(config.clone()),
             Self::Link(remote) => remote.controller.configure(config)?,
         }
         Ok(())

@@ -9,6 +9,7 @@ use amp::robot::{RobotSpec, evenly_spaced};
 use amp::scan::Encoding;
 use amp::turret::{BodySpec, Mount};
 use amp::units::{Displacement, Range};
+use arena::robot_model::SensorMount;
 
 /// Distance from the body that a random move leaves while it finds its sensors, mm of the Nomad's.
 const BABBLE_MARGIN_MM: u16 = 30;
@@ -20,11 +21,7 @@ impl AnyRobot {
         let mut mounts = [Mount::default(); MAX_BEAMS];
         let mut enabled = Mask::NONE;
         for (index, (mount, sensor)) in mounts.iter_mut().zip(&self.model.sensors).enumerate() {
-            let mm = |m: f64| (m * 1e3).round() as i32;
-            *mount = Mount {
-                position: Displacement::saturating(mm(sensor.position.x), mm(sensor.position.y)),
-                axis: bearing(sensor.bearing_rad),
-            };
+            *mount = mount_of(sensor);
             enabled = enabled.with(index);
         }
         let guard_m = self.guard.map(|share| share * self.model.radius_m);
@@ -62,10 +59,10 @@ impl AnyRobot {
             let Some(seen) = echo.or(silence) else {
                 continue;
             };
-            let [x, y] = [mount.position.x, mount.position.y].map(|m| (m * 1e3).round() as i32);
+            let Mount { position, axis } = mount_of(&mount);
             let beam = Beam {
-                mount: Displacement::saturating(x, y),
-                axis: bearing(mount.bearing_rad),
+                mount: position,
+                axis,
                 range: seen,
                 is_echo: echo.is_some(),
             };
@@ -117,5 +114,14 @@ impl AnyRobot {
             open_space: config.open_space || self.silence_mm().is_some(),
             ..config
         }
+    }
+}
+
+/// A sensor's place and direction in the controller's units.
+fn mount_of(sensor: &SensorMount) -> Mount {
+    let mm = |m: f64| (m * 1e3).round() as i32;
+    Mount {
+        position: Displacement::saturating(mm(sensor.position.x), mm(sensor.position.y)),
+        axis: bearing(sensor.bearing_rad),
     }
 }

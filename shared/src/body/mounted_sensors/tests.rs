@@ -4,29 +4,13 @@ use crate::controller::{Motion, NomadState, StopReason};
 use crate::points::PointLimits;
 use crate::som::Grid;
 use crate::turret::Mount;
+use crate::turret::tests::even_body;
 use crate::units::{Bearing, Displacement, Range};
 
 type Sensors = MountedSensors<16, 16, 256>;
 
-/// Eight sensors, evenly spaced.
 fn spec() -> BodySpec<16> {
-    let mounts = core::array::from_fn(|sensor| {
-        let axis = Bearing::of_place(sensor, 8);
-        Mount {
-            position: Displacement::along(axis, 231),
-            axis,
-        }
-    });
-    BodySpec {
-        mounts,
-        enabled: Mask::from_bits(0xFF),
-        actuation: Actuation::EXACT,
-        points: PointLimits::NOMAD,
-        silence_mm: None,
-        most_unseen: u8::MAX,
-        guard_mm: Some(90),
-        babble_margin_mm: 30,
-    }
+    even_body(8, Some(90))
 }
 
 struct Rig {
@@ -118,6 +102,45 @@ fn a_body_moves_at_random_thinks_and_is_idle() {
     assert_ne!(known.mounts, spec().mounts);
 }
 
+#[test]
+fn what_was_heard_at_another_place_begins_no_random_move() {
+    let mut rig = Rig::new();
+    rig.calibrate(5);
+    let motion = rig.hear().motion.expect("a random move");
+    rig.ms += 100;
+    rig.report(motion, Progress::Ended);
+    let range = Some(Range::from_mm(900));
+    for sensor in 0..7 {
+        assert_eq!(rig.handle(Event::Echo { sensor, range }).motion, None);
+    }
+    let last = Event::Echo { sensor: 7, range };
+    let _ = rig.handle(Event::Tick);
+    let before = Millis::from_ms(rig.ms - 60);
+    let late = rig.body.handle(&rig.config, &mut rig.state, before, last);
+    assert_eq!((late.motion, late.stale_ms), (None, Some(60)));
+    assert!(rig.handle(last).motion.is_some());
+}
+
+/// A new body is told while the solution of another one is under way.
+#[test]
+fn what_was_found_of_another_body_is_forgotten() {
+    let mut rig = Rig::new();
+    rig.calibrate(2);
+    while let Some(motion) = rig.hear().motion {
+        rig.report(motion, Progress::Ended);
+    }
+    rig.handle(Event::Tick);
+    rig.handle(Event::Command(Command::Stop));
+    rig.body.tell(&spec());
+    rig.handle(Event::Command(Command::Explore { moves: 2, seed: 1 }));
+    while let Some(motion) = rig.hear().motion {
+        rig.report(motion, Progress::Ended);
+    }
+    rig.handle(Event::Command(Command::Learn));
+    rig.think();
+    assert_eq!(rig.body.known(), &spec());
+}
+
 /// Nothing answers, or always from the same distance.
 #[test]
 fn without_echoes_that_change_no_sensor_is_found() {
@@ -136,6 +159,7 @@ fn without_echoes_that_change_no_sensor_is_found() {
         }
         rig.think();
         assert_eq!(rig.state.mode(), &Mode::Stopped(StopReason::NoEchoes));
+        assert_eq!(rig.body.known(), &spec());
     }
 }
 

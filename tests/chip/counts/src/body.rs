@@ -1,19 +1,16 @@
 //! Counts the events of a robot with 16 sensors on its body, which finds them, learns and drives.
 
-use crate::room::SquareRoom;
+use crate::driven::{DrivenRobot, EventCounts};
 use crate::stopwatch::{InstructionStats, Stopwatch};
 use amp::actuation::Actuation;
-use amp::body::{Body as _, MountedSensors};
+use amp::body::MountedSensors;
 use amp::config::Config;
-use amp::controller::{Command, Event, Mode, Motion, NomadState, Outputs, Progress};
+use amp::controller::{Command, Event, Mode};
 use amp::fixed::Mask;
 use amp::goal::Goal;
 use amp::points::PointLimits;
-use amp::som::Grid;
 use amp::turret::{BodySpec, Mount};
-use amp::units::{Bearing, Displacement, Millis, Range};
-use core::hint::black_box;
-use cortex_m4::KERNELS;
+use amp::units::{Bearing, Displacement};
 
 /// Decisions.
 const DECISIONS: usize = 32;
@@ -26,53 +23,41 @@ pub type Sensors = MountedSensors<16, 16, 256>;
 /// Instructions by kind of event.
 #[derive(Default)]
 pub struct BodyCounts {
-    /// Echo of a standing robot that does not complete the ring.
-    pub echo: InstructionStats,
-    /// Echo of a moving robot.
-    pub on_the_way: InstructionStats,
-    /// Echo that completes the ring of a robot that seeks.
-    pub decision: InstructionStats,
-    /// Report of the base.
-    pub odometry: InstructionStats,
-    /// Echo of a robot that finds its sensors.
-    pub babble: InstructionStats,
+    /// While it finds its sensors.
+    pub babble: EventCounts,
     /// Tick of a robot that works out where they are.
     pub step: InstructionStats,
-}
-
-struct Rig<'a> {
-    watch: &'a Stopwatch,
-    config: Config<16>,
-    body: &'a mut Sensors,
-    state: NomadState,
-    room: SquareRoom,
-    time: u32,
-    counts: BodyCounts,
+    /// From then on.
+    pub events: EventCounts,
+    /// Echo that completes the ring of a robot that seeks.
+    pub decision: InstructionStats,
 }
 
 /// Runs the whole episode.
 pub fn episode(watch: &Stopwatch, body: &mut Sensors) -> BodyCounts {
     body.tell(&spec());
-    let mut state = NomadState::new(Grid::rectangle(4, 4));
-    state.use_kernels(&KERNELS);
-    let mut rig = Rig {
-        watch,
-        config: Config {
-            shield: None,
-            fault_detection: false,
-            ..Config::recommended()
-        },
-        body,
-        state,
-        room: SquareRoom::new(),
-        time: 0,
+    let config = Config {
+        shield: None,
+        fault_detection: false,
+        ..Config::recommended()
+    };
+    let mut episode = BodyEpisode {
+        robot: DrivenRobot::new(watch, config, body),
         counts: BodyCounts::default(),
     };
-    rig.find_sensors();
-    rig.explore();
-    rig.learn();
-    rig.seek();
-    rig.counts
+    episode.find_sensors();
+    episode.explore();
+    episode.learn();
+    episode.seek();
+    BodyCounts {
+        events: episode.robot.counts,
+        ..episode.counts
+    }
+}
+
+struct BodyEpisode<'a> {
+    robot: DrivenRobot<'a, Sensors>,
+    counts: BodyCounts,
 }
 
 fn spec() -> BodySpec<16> {
@@ -95,133 +80,56 @@ fn spec() -> BodySpec<16> {
     }
 }
 
-impl Rig<'_> {
+impl BodyEpisode<'_> {
     fn find_sensors(&mut self) {
-        self.send(|| {
+        self.robot.send(|| {
             Event::Command(Command::Calibrate {
                 moves: MOVES,
                 seed: 7,
                 actuators: true,
             })
         });
-        while *self.state.mode() != Mode::Calibrate {
-            let mut motion = None;
-            for sensor in 0..16 {
-                let (instructions, out) = self.hear(sensor);
-                self.counts.babble.add(instructions);
-                motion = out.motion.or(motion);
-            }
-            self.carry_out(motion, |counts| &mut counts.babble);
+        while *self.robot.state.mode() != Mode::Calibrate {
+            let (_, out) = self.robot.ring();
+            self.robot.carry_out(out.motion);
         }
-        self.think(|counts| Some(&mut counts.step));
+        self.counts.babble = core::mem::take(&mut self.robot.counts);
+        while *self.robot.state.mode() == Mode::Calibrate {
+            let (instructions, _) = self.robot.send(|| Event::Tick);
+            self.counts.step.add(instructions);
+        }
     }
 
     fn explore(&mut self) {
-        self.send(|| {
+        self.robot.send(|| {
             Event::Command(Command::Explore {
                 moves: MOVES,
                 seed: 7,
             })
         });
         // What was found in a room that does not turn with the body is not where the sensors are.
-        self.body.tell(&spec());
+        self.robot.body.tell(&spec());
         loop {
-            let (_, out) = self.ring();
+            let (_, out) = self.robot.ring();
             if out.mode_changed {
                 return;
             }
-            self.carry_out(out.motion, |counts| &mut counts.on_the_way);
+            self.robot.carry_out(out.motion);
         }
     }
 
     fn learn(&mut self) {
-        self.send(|| Event::Command(Command::Learn));
-        self.think(|_| None);
-    }
-
-    fn think(&mut self, counted: impl Fn(&mut BodyCounts) -> Option<&mut InstructionStats>) {
-        loop {
-            let (instructions, out) = self.send(|| Event::Tick);
-            if let Some(stats) = counted(&mut self.counts) {
-                stats.add(instructions);
-            }
-            if out.mode_changed {
-                return;
-            }
-        }
+        self.robot.send(|| Event::Command(Command::Learn));
+        while !self.robot.send(|| Event::Tick).1.mode_changed {}
     }
 
     fn seek(&mut self) {
-        let goal = Goal::avoiding(&self.config);
-        self.send(|| Event::Command(Command::Seek(goal)));
+        let goal = Goal::avoiding(&self.robot.config);
+        self.robot.send(|| Event::Command(Command::Seek(goal)));
         for _ in 0..DECISIONS {
-            let (instructions, out) = self.ring();
+            let (instructions, out) = self.robot.ring();
             self.counts.decision.add(instructions);
-            self.carry_out(out.motion, |counts| &mut counts.on_the_way);
+            self.robot.carry_out(out.motion);
         }
-    }
-
-    /// Sends a ring of a standing robot. Returns instructions and outputs of its last echo.
-    fn ring(&mut self) -> (u32, Outputs<16>) {
-        for sensor in 0..15 {
-            let (instructions, _) = self.hear(sensor);
-            self.counts.echo.add(instructions);
-        }
-        self.hear(15)
-    }
-
-    /// Drives half of a motion, sends a ring, which may shorten the motion, and drives the rest.
-    fn carry_out(
-        &mut self,
-        motion: Option<Motion>,
-        counted: fn(&mut BodyCounts) -> &mut InstructionStats,
-    ) {
-        let Some(mut motion) = motion else {
-            return;
-        };
-        let whole = motion.displacement;
-        let half = Displacement {
-            dx_mm: whole.dx_mm / 2,
-            dy_mm: whole.dy_mm / 2,
-        };
-        let moved = self.report(motion, half, Progress::Moving);
-        motion.displacement = whole.minus(moved);
-        for sensor in 0..16 {
-            let (instructions, out) = self.hear(sensor);
-            counted(&mut self.counts).add(instructions);
-            motion = out.motion.unwrap_or(motion);
-        }
-        self.report(motion, motion.displacement, Progress::Ended);
-    }
-
-    fn report(&mut self, motion: Motion, wanted: Displacement, progress: Progress) -> Displacement {
-        let moved = self.room.drive(wanted);
-        let (instructions, _) = self.send(|| Event::Odometry {
-            motion: black_box(motion.id),
-            moved: black_box(moved),
-            turned: black_box(Bearing::ZERO),
-            progress: black_box(progress),
-        });
-        self.counts.odometry.add(instructions);
-        moved
-    }
-
-    fn hear(&mut self, sensor: u8) -> (u32, Outputs<16>) {
-        self.time += 40;
-        let range = Some(Range::from_mm(self.room.range_mm(usize::from(sensor))));
-        self.send(|| Event::Echo {
-            sensor: black_box(sensor),
-            range: black_box(range),
-        })
-    }
-
-    #[inline(always)]
-    fn send(&mut self, event: impl FnOnce() -> Event<16>) -> (u32, Outputs<16>) {
-        let (config, state, body) = (&self.config, &mut self.state, &mut *self.body);
-        let at = Millis::from_ms(self.time);
-        self.watch.count(|| {
-            let (config, state) = (black_box(config), black_box(state));
-            black_box(body).handle(config, state, black_box(at), event())
-        })
     }
 }

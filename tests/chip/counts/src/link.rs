@@ -88,7 +88,7 @@ impl LinkedBase {
         };
         base.node.use_kernels(&KERNELS);
         base.node.start(
-            &episode.config,
+            &episode.robot.config,
             Grid::rectangle(4, 4),
             Identity::default(),
             Millis::from_ms(0),
@@ -142,7 +142,7 @@ impl LinkedBase {
         let mut offset = 0;
         loop {
             let mut piece = [0; MAX_CHUNK];
-            let count = episode.state.read_part(of, offset, &mut piece);
+            let count = episode.robot.state.read_part(of, offset, &mut piece);
             if count == 0 {
                 return;
             }

@@ -7,6 +7,8 @@
 #[cfg(target_os = "none")]
 mod body;
 #[cfg(target_os = "none")]
+mod driven;
+#[cfg(target_os = "none")]
 mod episode;
 #[cfg(target_os = "none")]
 mod link;

@@ -16,7 +16,7 @@ const SHARE_Q16: u32 = 1 << 15;
 
 /// Searches of the situation map: by the kernels, and by the portable code.
 pub fn searches(watch: &Stopwatch, episode: &CountedEpisode<'_>) -> [InstructionStats; 2] {
-    let map = episode.state.situations();
+    let map = episode.robot.state.situations();
     let mut portable = Som::<16, 16>::zeroed(map.grid());
     for (index, component) in map.code().as_flattened().iter().enumerate() {
         portable.set_component(index, *component);
@@ -47,7 +47,7 @@ pub fn recalls(watch: &Stopwatch, episode: &CountedEpisode<'_>) -> InstructionSt
         .filter_map(|decision| decision.plan)
     {
         let (instructions, _) = watch.count(|| {
-            let (map, wanted) = black_box((episode.state.actions(), &plan.wanted));
+            let (map, wanted) = black_box((episode.robot.state.actions(), &plan.wanted));
             map.recall(
                 wanted,
                 black_box(Mask::ALL),
@@ -65,8 +65,8 @@ pub fn recalls(watch: &Stopwatch, episode: &CountedEpisode<'_>) -> InstructionSt
 pub fn updates(watch: &Stopwatch, episode: &CountedEpisode<'_>) -> [[InstructionStats; 2]; 2] {
     [0, SHARE_Q16].map(|share_q16| {
         let update = Update::from_q16(Neighborhood::Direct, RATE_Q16, share_q16);
-        let mut situations_map = episode.state.situations().clone();
-        let mut actions_map = episode.state.actions().clone();
+        let mut situations_map = episode.robot.state.situations().clone();
+        let mut actions_map = episode.robot.state.actions().clone();
         let mut stats = [InstructionStats::default(); 2];
         for pair in episode.decisions.windows(2) {
             // Neuron 5 is inside the grid and has four neighbors.
@@ -89,7 +89,7 @@ pub fn updates(watch: &Stopwatch, episode: &CountedEpisode<'_>) -> [[Instruction
 }
 
 fn effect(before: &Decision<16>, after: &Decision<16>, episode: &CountedEpisode<'_>) -> Effect<16> {
-    let config = &episode.config;
+    let config = &episode.robot.config;
     Effect {
         change: amp::planner::difference(&after.situation, &before.situation),
         action: config

@@ -6,6 +6,7 @@
 use crate::episode::CountedEpisode;
 use crate::stopwatch::{InstructionStats, Stopwatch};
 use crate::{body, link, maps, reference};
+use amp::body::HeldRing;
 use amp::config::Config;
 use amp::controller::NomadState;
 use amp::node::NomadNode;
@@ -22,7 +23,8 @@ fn main() -> ! {
     let chip = cortex_m::Peripherals::take().expect("not taken yet");
     let watch = Stopwatch::new(chip.SYST);
     reference::compare();
-    let episode = CountedEpisode::new(&watch, Config::recommended());
+    let mut ring = HeldRing;
+    let episode = CountedEpisode::new(&watch, Config::recommended(), &mut ring);
     hprintln!("| call | calls | instructions, mean | most | allowed |");
     hprintln!("| --- | ---: | ---: | ---: | ---: |");
     print_maps(&watch, &episode);
@@ -65,10 +67,10 @@ fn print_maps(watch: &Stopwatch, episode: &CountedEpisode<'_>) {
 }
 
 fn print_episode(episode: &CountedEpisode<'_>) {
-    let counts = &episode.counts;
-    row("echo at rest", counts.echo, 7_850);
-    row("echo on the way: the guard", counts.guard, 8_850);
-    row("report of the base", counts.odometry, 1_250);
+    let (counts, events) = (&episode.counts, &episode.robot.counts);
+    row("echo at rest", events.echo, 7_850);
+    row("echo on the way: the guard", events.on_the_way, 8_850);
+    row("report of the base", events.odometry, 1_250);
     row(
         "random move (last echo of the ring)",
         counts.random_move,
@@ -110,17 +112,21 @@ fn print_link(watch: &Stopwatch, episode: &CountedEpisode<'_>) {
 }
 
 fn print_body(counts: &body::BodyCounts) {
-    row("body: echo at rest, with 256 points", counts.echo, 14_750);
-    row("body: echo on the way", counts.on_the_way, 69_080);
+    row(
+        "body: echo at rest, with 256 points",
+        counts.events.echo,
+        14_750,
+    );
+    row("body: echo on the way", counts.events.on_the_way, 69_080);
     row(
         "body: **decision** (last echo of the ring): avoid",
         counts.decision,
         119_600,
     );
-    row("body: report of the base", counts.odometry, 8_030);
+    row("body: report of the base", counts.events.odometry, 8_030);
     row(
         "body: echo while it finds its sensors",
-        counts.babble,
+        counts.babble.on_the_way,
         14_310,
     );
     row("body: step to where they are", counts.step, 389_290);
