@@ -1,7 +1,7 @@
 //! `host-sim capture`: writes the situation at a pose as a goal file.
 
 use super::CliError;
-use super::robot::RobotArgs;
+use super::robot::NamedRobotArgs;
 use super::run::{Preset, SonarChoice};
 use arena::loaders::parse_worlds;
 use arena::robot::COLLISION_RADIUS_M;
@@ -10,7 +10,6 @@ use clap::Args;
 use files::error::BadInput;
 use sim::episode::perceive;
 use sim::goal_file;
-use sim::robot::LEAST_MOVES;
 use sim::settings;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -39,7 +38,7 @@ pub struct CaptureArgs {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
     #[command(flatten)]
-    robot: RobotArgs,
+    robot: NamedRobotArgs,
     /// The file to write
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -85,7 +84,7 @@ impl FromStr for CapturePose {
 pub fn capture(args: &CaptureArgs, out: &mut impl Write) -> Result<(), CliError> {
     let mut config = args.preset.config();
     settings::apply(&mut config, &args.sets)?;
-    let robot = args.robot.find(false, LEAST_MOVES)?;
+    let robot = args.robot.find(false)?;
     if let Some(robot) = &robot {
         config = robot.config(config);
     }

@@ -9,9 +9,18 @@ use sim::robot::{AnyRobot, Miswiring, Origin, Ranges};
 /// The robot with a ring on a turret.
 const NOMAD: &str = "nomad200";
 
-/// Flags for the robot.
+/// Flags for the robot, and for what its controller is told of it.
 #[derive(Debug, Clone, Args)]
 pub(super) struct RobotArgs {
+    #[command(flatten)]
+    named: NamedRobotArgs,
+    #[command(flatten)]
+    told: ToldArgs,
+}
+
+/// Flags for the robot.
+#[derive(Debug, Clone, Args)]
+pub(super) struct NamedRobotArgs {
     /// Robot: a built-in name (nomad200, p3dx, p3dx-front, p3at, epuck2, thymio2, khepera,
     /// crazyflie, turtlebot3, lidar16, one-beam) or a .toml FILE (see docs/robots.md); with
     /// --shield on, a guard keeps other robots than nomad200 from everything they have seen
@@ -21,8 +30,6 @@ pub(super) struct RobotArgs {
     /// Nomad's body, with the Nomad's sonars
     #[arg(long, value_name = "own|nomad", default_value = "own", value_parser = parsed::<Ranges>)]
     ranges: Ranges,
-    #[command(flatten)]
-    told: ToldArgs,
 }
 
 /// What the controller of another robot than the Nomad is told.
@@ -46,7 +53,7 @@ pub(super) struct ToldArgs {
 impl RobotArgs {
     /// Its name or file.
     pub(super) fn name(&self) -> &str {
-        &self.robot
+        self.named.name()
     }
 
     /// The robot, with a guard or without, for so many random moves; `None` = the Nomad as it is.
@@ -54,16 +61,31 @@ impl RobotArgs {
     /// # Errors
     /// An unknown robot or a bad file; what only other robots have; too few random moves.
     pub(super) fn find(&self, has_guard: bool, moves: u16) -> Result<Option<AnyRobot>, BadInput> {
-        if self.robot == NOMAD && self.ranges == Ranges::Own {
-            return match self.told.first_used() {
-                None => Ok(None),
-                Some(flag) => Err(BadInput::new(format!(
-                    "--{flag}: only with another robot than {NOMAD}"
-                ))),
-            };
+        match (self.named.find(has_guard)?, self.told.first_used()) {
+            (Some(robot), _) => self.told.apply(robot, moves).map(Some),
+            (None, None) => Ok(None),
+            (None, Some(flag)) => Err(BadInput::new(format!(
+                "--{flag}: only with another robot than {NOMAD}"
+            ))),
         }
-        let robot = AnyRobot::new(RobotModel::find(&self.robot)?, self.ranges, has_guard)?;
-        self.told.apply(robot, moves).map(Some)
+    }
+}
+
+impl NamedRobotArgs {
+    /// Its name or file.
+    pub(super) fn name(&self) -> &str {
+        &self.robot
+    }
+
+    /// The robot, with a guard or without; `None` = the Nomad as it is.
+    ///
+    /// # Errors
+    /// An unknown robot or a bad file.
+    pub(super) fn find(&self, has_guard: bool) -> Result<Option<AnyRobot>, BadInput> {
+        if self.robot == NOMAD && self.ranges == Ranges::Own {
+            return Ok(None);
+        }
+        AnyRobot::new(RobotModel::find(&self.robot)?, self.ranges, has_guard).map(Some)
     }
 }
 
