@@ -52,7 +52,9 @@ pub fn perceive(
     (ranges.map(|range| encoding.value(range)), known)
 }
 
-/// What was known in the situation before the first move: a body's sensors do not see all at once.
+/// What was known in the situation before the first move. A body's sensors do not see all at once,
+/// and a range that jumped during the first move (`Learning::largest_change_mm`) belonged to an
+/// edge or was noise: a place is not recognized by it.
 #[must_use]
 pub fn nest_known(knowledge: &SimState) -> Mask {
     let first = knowledge.memory().samples().first();
