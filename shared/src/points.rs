@@ -256,6 +256,18 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         views.fold(Mask::NONE, with_views)
     }
 
+    /// Whether a sector in this direction was looked at from here.
+    #[must_use]
+    pub fn is_seen_from_here<const SECTORS: usize>(
+        &self,
+        limits: &PointLimits,
+        bearing: Bearing,
+    ) -> bool {
+        let seen = self.seen_from_here::<SECTORS>(limits);
+        let [own, _] = sectors_at::<SECTORS>(bearing);
+        own.sector.is_some_and(|sector| seen.contains(sector))
+    }
+
     /// How far a disc of `radius_mm` may go from here along `way`, in the frame of the start,
     /// before it touches a point; at most the way's length. Millimeters.
     #[must_use]

@@ -322,6 +322,13 @@ where
             }
         }
         if let Some(wanted) = outputs.motion {
+            if let Some(glance) = self.glance_along(wanted.displacement.bearing()) {
+                self.controller.abandon_motion(self.at);
+                self.turret.motion = None;
+                outputs.motion = Some(glance);
+                return outputs;
+            }
+            self.turret.glances = 0;
             let motion = Motion {
                 displacement: self.guarded(wanted.displacement),
                 ..wanted

@@ -1,6 +1,7 @@
-//! Looking around: a body with few sensors turns on the spot until it has seen enough to decide.
+//! Looking around: a body with few sensors turns on the spot until it has seen enough to decide, and
+//! one that is blind ahead, to where it is about to go.
 
-use super::{RingController, Robot, VirtualTurret};
+use super::{BodySpec, RingController, Robot, VirtualTurret};
 use crate::controller::{Motion, Progress};
 use crate::fixed::Mask;
 use crate::units::{Bearing, Displacement, Millis};
@@ -9,6 +10,16 @@ use crate::units::{Bearing, Displacement, Millis};
 const MAX_GLANCES: u8 = 4;
 /// A base turns to where it goes, so a glance is a way to the left, of this length, millimeters.
 const GLANCE_MM: i32 = 2;
+/// The same for a glance in any direction: whole millimeters tell it to 7°.
+const GLANCE_ANYWHERE_MM: i32 = 6;
+/// A body goes where these bearings from its front are free: 30° to each side.
+const AHEAD: [Bearing; 3] = [
+    Bearing::ZERO,
+    Bearing::of_place(1, 12),
+    Bearing::of_place(11, 12),
+];
+/// A body sees there if a sensor's axis is as near as this: 22.5°.
+const SEES_WITHIN: u16 = 65_536_u32.div_ceil(16) as u16;
 
 impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
     /// Whether it looks around. A base that takes longer than it may is waited for no more.
@@ -29,19 +40,52 @@ where
         let seen = self.turret.memory.seen_from_here::<SECTORS>(limits);
         let unseen = seen.complement().indices(SECTORS).count();
         let is_enough = unseen <= usize::from(self.body.most_unseen);
-        if is_enough || self.turret.glances >= MAX_GLANCES || !self.controller.awaits_ring() {
+        if !self.controller.awaits_ring() {
             self.turret.glances = 0;
             return None;
         }
+        if is_enough || self.turret.glances >= MAX_GLANCES {
+            return None;
+        }
+        Some(self.turn_by(Bearing::of_place(1, 4), GLANCE_MM))
+    }
+
+    /// The motion that looks along a way before the robot goes it, where it is blind ahead and
+    /// has not looked there from here. Who looks around before each decision has.
+    pub(super) fn glance_along(&mut self, way: Bearing) -> Option<Motion> {
+        let looks_around = usize::from(self.body.most_unseen) < SECTORS;
+        if looks_around || self.turret.glances >= MAX_GLANCES || !self.controller.pursues_goal() {
+            return None;
+        }
+        let is_seen = |bearing| {
+            let limits = &self.body.points;
+            self.turret
+                .memory
+                .is_seen_from_here::<SECTORS>(limits, bearing)
+        };
+        let blind = AHEAD.into_iter().filter(|ahead| !self.body.sees(*ahead));
+        let bearing = blind
+            .map(|ahead| way.plus(ahead))
+            .find(|bearing| !is_seen(*bearing))?;
+        let turns = self
+            .body
+            .axes()
+            .map(|axis| bearing.minus(self.turret.memory.heading().plus(axis)));
+        let turn = turns.min_by_key(|turn| turn.as_signed_turns().unsigned_abs())?;
+        Some(self.turn_by(turn, GLANCE_ANYWHERE_MM))
+    }
+
+    /// A turn on the spot to look.
+    fn turn_by(&mut self, turn: Bearing, length_mm: i32) -> Motion {
         self.turret.glances += 1;
         self.turret.glance_since = Some(self.at);
         self.turret.fresh = Mask::NONE;
-        let to_the_left = Displacement::along(Bearing::of_place(1, 4), GLANCE_MM);
-        Some(Motion {
+        let displacement = Displacement::along(turn, length_mm);
+        Motion {
             id: self.turret.last_motion_id,
-            displacement: self.body.actuation.command(to_the_left),
+            displacement: self.body.actuation.command(displacement),
             speed_mm_s: self.config.robot.speed_mm_s,
-        })
+        }
     }
 
     /// A report of the base during a glance: the controller's ring comes later.
@@ -54,5 +98,22 @@ where
             self.turret.glance_since = None;
             self.turret.fresh = Mask::NONE;
         }
+    }
+}
+
+impl<const BEAMS: usize> BodySpec<BEAMS> {
+    /// Where the sensors look that are used, from the body's front.
+    fn axes(&self) -> impl Iterator<Item = Bearing> {
+        let sensors = self.mounts.iter().enumerate();
+        let used = sensors.filter(|(sensor, _)| self.enabled.contains(*sensor));
+        used.map(|(_, mount)| mount.axis)
+    }
+
+    /// Whether a sensor looks in this direction from the body's front.
+    fn sees(&self, direction: Bearing) -> bool {
+        self.axes().any(|axis| {
+            let offset = axis.minus(direction).as_signed_turns();
+            offset.unsigned_abs() <= SEES_WITHIN
+        })
     }
 }

@@ -400,3 +400,45 @@ fn a_base_that_does_not_turn_is_not_waited_for() {
     });
     assert!(stopped.is_some());
 }
+
+/// No sensor within 45° of the front: it turns until one looks along its way, and then goes.
+#[test]
+fn a_robot_that_is_blind_ahead_looks_before_it_goes() {
+    let blind = [14, 15, AHEAD, 1, 2];
+    for (enabled, looks) in [
+        (blind.into_iter().fold(Mask::ALL, Mask::without), 1..=4),
+        (Mask::ALL, 0..=0),
+    ] {
+        let mut rig = Rig::new(ring_body(None));
+        rig.learn();
+        rig.turret.restart();
+        rig.body.enabled = Mask::NONE;
+        for sensor in enabled.indices(16) {
+            rig.body.enabled = rig.body.enabled.with(sensor);
+        }
+        let goal = crate::goal::Goal::avoiding(&rig.config);
+        rig.command(Command::Seek(goal));
+        let mut glances = 0;
+        let motion = loop {
+            let motion = rig.hear([Some(600); 16]).expect("a motion");
+            if rig.state.is_moving() {
+                break motion;
+            }
+            glances += 1;
+            assert!(motion.displacement.length_mm() <= 7, "{motion:?}");
+            let bearing = motion.displacement.bearing().as_signed_turns();
+            let degrees = i32::from(bearing) * 360 / 65_536;
+            rig.report(motion, Displacement::ZERO, degrees, Progress::Steering);
+            assert_eq!(rig.hear([Some(600); 16]), None, "under way");
+            rig.report(motion, Displacement::ZERO, 0, Progress::Ended);
+        };
+        assert!(looks.contains(&glances), "{glances}");
+        assert!(motion.displacement.length_mm() > 7, "{motion:?}");
+        let ahead = motion
+            .displacement
+            .bearing()
+            .plus(rig.turret.memory().heading());
+        let limits = &rig.body.points;
+        assert!(rig.turret.memory().is_seen_from_here::<16>(limits, ahead));
+    }
+}
