@@ -54,6 +54,8 @@ pub struct VirtualTurret<const SECTORS: usize, const POINTS: usize> {
     replans: u8,
     /// Since when it has been looking around.
     glance_since: Option<Millis>,
+    /// Turns that are left of a look around in an unknown place.
+    first_looks_left: u8,
     /// Glances since the last decision.
     glances: u8,
     /// The controller's last motion.
@@ -81,6 +83,7 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
             is_rolling: false,
             replans: 0,
             glance_since: None,
+            first_looks_left: 0,
             glances: 0,
             last_motion_id: 0,
         }
@@ -95,6 +98,7 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
         (self.motion, self.course) = (None, Bearing::ZERO);
         (self.is_rolling, self.replans) = (false, 0);
         (self.glance_since, self.glances) = (None, 0);
+        self.first_looks_left = 0;
         self.last_motion_id = 0;
     }
 
@@ -254,6 +258,9 @@ where
             self.turret.memory.forget();
         }
         self.turret.heard_at = self.at;
+        if self.turret.memory.is_empty() {
+            self.turret.first_looks_left = self.body.first_looks;
+        }
         let Some(seen) = range.or(self.body.silence_mm.map(Range::from_mm)) else {
             return;
         };

@@ -146,8 +146,7 @@ fn show(world: &World, trial: &BehaviorTrial, seed: u64) -> Behavior {
     let radius_m = robot.map_or(COLLISION_RADIUS_M, |robot| robot.model().radius_m);
     let place = elsewhere(world, radius_m, start.position, &mut noise);
     let pose = Pose::new(place, start.heading);
-    let encoding = trial.config.encoding;
-    let (situation, known) = perceive(world, pose, robot, SonarModel::Ideal, seed, encoding);
+    let (situation, known) = perceive(world, pose, robot, SonarModel::Ideal, seed, &trial.config);
     Behavior::Seek(Box::new(GoalFile::perceived(
         "shown", &situation, known, place,
     )))

@@ -94,14 +94,7 @@ pub fn capture(args: &CaptureArgs, out: &mut impl Write) -> Result<(), CliError>
         .map_or(COLLISION_RADIUS_M, |robot| robot.model().radius_m);
     let pose = pose(&world, radius_m, args.at)?;
     let sonar = args.sonar.into();
-    let (situation, known) = perceive(
-        &world,
-        pose,
-        robot.as_ref(),
-        sonar,
-        args.seed,
-        config.encoding,
-    );
+    let (situation, known) = perceive(&world, pose, robot.as_ref(), sonar, args.seed, &config);
     let remark = format!(
         "Captured in the world {} with the sonars {} on a scale of {} to {} m.",
         world.name().replace(char::is_control, " "),

@@ -33,6 +33,9 @@ pub struct BodySpec<const BEAMS: usize> {
     /// How far a sensor that hears nothing sees free space, millimeters from its face; `None` = it
     /// tells nothing: the echo of a sonar may have gone astray on a smooth wall.
     pub silence_mm: Option<u16>,
+    /// Where it knows nothing of its surroundings, it turns by 30° so often before it decides, and
+    /// listens.
+    pub first_looks: u8,
     /// With more sectors than these unseen from here the robot turns on the spot before it
     /// decides.
     pub most_unseen: u8,
@@ -67,6 +70,7 @@ impl<const BEAMS: usize> BodySpec<BEAMS> {
             replan_nearer_mm: 0,
         },
         silence_mm: None,
+        first_looks: 0,
         most_unseen: 0,
         guard_mm: None,
         babble_margin_mm: 0,

@@ -10,13 +10,15 @@ use crate::units::{Bearing, Displacement, Millis};
 const MAX_GLANCES: u8 = 4;
 /// A base turns to where it goes, so a glance is a way to the left, of this length, millimeters.
 const GLANCE_MM: i32 = 2;
-/// The same for a glance in any direction: whole millimeters tell it to 7°.
-const GLANCE_ANYWHERE_MM: i32 = 6;
-/// A body goes where these bearings from its front are free: 30° to each side.
-const AHEAD: [Bearing; 3] = [
+/// The same for a glance in another direction: whole millimeters tell it to 7°.
+const GLANCE_ANYWHERE_MM: i32 = 4;
+/// A body goes where these bearings from its front are free: 45° to each side.
+const AHEAD: [Bearing; 5] = [
     Bearing::ZERO,
-    Bearing::of_place(1, 12),
-    Bearing::of_place(11, 12),
+    Bearing::of_place(1, 16),
+    Bearing::of_place(15, 16),
+    Bearing::of_place(2, 16),
+    Bearing::of_place(14, 16),
 ];
 /// A body sees there if a sensor's axis is as near as this: 22.5°.
 const SEES_WITHIN: u16 = 65_536_u32.div_ceil(16) as u16;
@@ -43,6 +45,10 @@ where
         if !self.controller.awaits_ring() {
             self.turret.glances = 0;
             return None;
+        }
+        if self.turret.first_looks_left > 0 && unseen > 0 {
+            self.turret.first_looks_left -= 1;
+            return Some(self.turn_by(Bearing::of_place(1, 12), GLANCE_ANYWHERE_MM));
         }
         if is_enough || self.turret.glances >= MAX_GLANCES {
             return None;
@@ -77,7 +83,7 @@ where
 
     /// A turn on the spot to look.
     fn turn_by(&mut self, turn: Bearing, length_mm: i32) -> Motion {
-        self.turret.glances += 1;
+        self.turret.glances = self.turret.glances.saturating_add(1);
         self.turret.glance_since = Some(self.at);
         self.turret.fresh = Mask::NONE;
         let displacement = Displacement::along(turn, length_mm);

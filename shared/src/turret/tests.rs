@@ -36,6 +36,7 @@ pub(crate) fn even_body(count: usize, guard_mm: Option<u16>) -> BodySpec<16> {
         actuation: Actuation::EXACT,
         points: PointLimits::NOMAD,
         silence_mm: None,
+        first_looks: 0,
         most_unseen: u8::MAX,
         guard_mm,
         babble_margin_mm: 30,
@@ -440,5 +441,50 @@ fn a_robot_that_is_blind_ahead_looks_before_it_goes() {
             .plus(rig.turret.memory().heading());
         let limits = &rig.body.points;
         assert!(rig.turret.memory().is_seen_from_here::<16>(limits, ahead));
+    }
+}
+
+/// Eight neighboring sensors see half of the ring: it turns until they have seen the other half.
+#[test]
+fn where_nothing_is_known_a_body_turns_until_it_has_seen_all() {
+    let left = (0..8).fold(Mask::NONE, Mask::with);
+    for (enabled, first_looks, expected) in [
+        (left, 12, 4..=7),
+        (left, 3, 3..=3),
+        (left, 0, 0..=0),
+        (Mask::ALL, 12, 0..=0),
+    ] {
+        let mut rig = Rig::new(BodySpec {
+            first_looks,
+            enabled: Mask::NONE,
+            ..ring_body(None)
+        });
+        for sensor in enabled.indices(16) {
+            rig.body.enabled = rig.body.enabled.with(sensor);
+        }
+        rig.command(Command::Explore { moves: 9, seed: 5 });
+        let looks = |rig: &mut Rig| {
+            (0..20).find(|_| {
+                let motion = rig.hear([Some(900); 16]).expect("a motion");
+                if rig.state.is_moving() {
+                    rig.report(motion, motion.displacement, 0, Progress::Ended);
+                    return true;
+                }
+                let turn = motion.displacement.bearing().as_signed_turns();
+                assert!((4_500..7_000).contains(&turn), "{turn}");
+                rig.report(motion, Displacement::ZERO, 30, Progress::Steering);
+                assert_eq!(rig.hear([Some(900); 16]), None, "under way");
+                rig.report(motion, Displacement::ZERO, 0, Progress::Ended);
+                false
+            })
+        };
+        let first = looks(&mut rig).expect("a random move");
+        assert!(expected.contains(&first), "{first}");
+        assert_eq!(looks(&mut rig), Some(0), "it has been here");
+        // Carried elsewhere while it was off.
+        rig.ms += 601_000;
+        let _ = rig.handle(Event::Tick);
+        rig.command(Command::Explore { moves: 9, seed: 5 });
+        assert_eq!(looks(&mut rig), Some(first), "it may be anywhere");
     }
 }

@@ -1,19 +1,29 @@
-//! The situation that a robot at rest perceives at a given pose, and what is known of it.
+//! What a robot perceives at a given place, and what of it the place can be recognized by.
 
 use super::Seeds;
 use crate::pilot::SimState;
 use crate::robot::AnyRobot;
+use amp::config::Config;
 use amp::fixed::Mask;
 use amp::memory;
-use amp::scan::{Encoding, Situation};
+use amp::scan::Situation;
 use amp::units::Range;
 use arena::noise::Noise;
 use arena::sonar::{FIRING_ORDER, FIRING_SLOT_S, Ring, SonarModel};
-use arena::world::{Pose, World};
+use arena::world::{Point, Pose, World};
+use std::f64::consts::TAU;
 
-/// The situation of a whole ring at rest in `pose`, and the transducers of which something is
-/// known: of another robot than the Nomad, the ring of sectors that its controller reads off what
-/// its sensors hear there. `seed` seeds the noise.
+/// Headings in which a body that turns listens to a place.
+const HEADINGS: u8 = 12;
+
+/// The situation in `pose`, and the transducers by which the place can be recognized: those whose
+/// range changes by at most [`largest_change_mm`](amp::config::Learning::largest_change_mm) half a
+/// step away to four sides. What changes more belongs to an edge, and says something else when the
+/// robot returns a little aside.
+///
+/// `None` is the Nomad. Of another robot it is the ring of sectors that its controller reads off
+/// what the sensors hear while the body, if it turns to where it goes, turns once around. `seed`
+/// seeds the noise; `config` is the robot's.
 #[must_use]
 pub fn perceive(
     world: &World,
@@ -21,35 +31,87 @@ pub fn perceive(
     robot: Option<&AnyRobot>,
     sonar: SonarModel,
     seed: u64,
-    encoding: Encoding,
+    config: &Config<16>,
 ) -> (Situation<16>, Mask) {
-    let mut noise = Noise::new(Seeds::of(seed).noise);
-    let (mut ring, count) = match robot {
-        None => (Ring::new(sonar, &mut noise), 16),
-        Some(robot) => {
-            let mounts = robot.mounts();
-            let sensing = robot.sensing(sonar);
-            let ring = Ring::with_mounts(sonar, &mounts, sensing, &mut noise);
-            (ring, mounts.len())
-        }
+    let mut listener = Listener::new(world, robot, sonar, seed);
+    let mut situation_at = |pose| {
+        let (ranges, known) = listener.listen(pose);
+        (ranges.map(|range| config.encoding.value(range)), known)
     };
-    let mut ranges = [None; 16];
-    for (slot, &sensor) in FIRING_ORDER.iter().enumerate() {
-        let time_s = slot as f64 * FIRING_SLOT_S;
-        if let Some(range) = ranges.get_mut(sensor).filter(|_| sensor < count) {
-            *range = ring.ping(world, &pose, sensor, time_s, &mut noise);
+    let (situation, known) = situation_at(pose);
+    let aside_m = f64::from(config.robot.step_mm) * 1e-3 / 2.0;
+    let aside = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)].map(|(x, y)| Pose {
+        position: pose.position + Point::new(x, y) * aside_m,
+        ..pose
+    });
+    let largest_mm = config.learning.largest_change_mm;
+    let recognized = aside.into_iter().fold(known, |recognized, pose| {
+        let (nearby, _) = situation_at(pose);
+        let steady = config
+            .encoding
+            .changed_within(&situation, &nearby, largest_mm);
+        recognized.and(steady)
+    });
+    (situation, recognized)
+}
+
+/// A robot that listens wherever it is put.
+struct Listener<'a> {
+    world: &'a World,
+    robot: Option<&'a AnyRobot>,
+    ring: Ring,
+    transducers: usize,
+    noise: Noise,
+}
+
+impl<'a> Listener<'a> {
+    fn new(world: &'a World, robot: Option<&'a AnyRobot>, sonar: SonarModel, seed: u64) -> Self {
+        let mut noise = Noise::new(Seeds::of(seed).noise);
+        let (ring, transducers) = match robot {
+            None => (Ring::new(sonar, &mut noise), 16),
+            Some(robot) => {
+                let mounts = robot.mounts();
+                let sensing = robot.sensing(sonar);
+                let ring = Ring::with_mounts(sonar, &mounts, sensing, &mut noise);
+                (ring, mounts.len())
+            }
+        };
+        Self {
+            world,
+            robot,
+            ring,
+            transducers,
+            noise,
         }
     }
-    // A range beyond 65 m cannot come from a sonar; the cast saturates.
-    let millimeters = |m: f64| Range::from_mm((m * 1e3) as u16);
-    let (ranges, known) = match robot {
-        None => (
-            ranges.map(|range: Option<f64>| range.map(millimeters)),
-            Mask::ALL,
-        ),
-        Some(robot) => robot.ring_of(ranges.get(..count).unwrap_or(&ranges)),
-    };
-    (ranges.map(|range| encoding.value(range)), known)
+
+    /// The ring of its controller, and what is known of it.
+    fn listen(&mut self, pose: Pose) -> ([Option<Range>; 16], Mask) {
+        let Some(robot) = self.robot else {
+            return (self.ranges(pose), Mask::ALL);
+        };
+        let headings = if robot.turns() { HEADINGS } else { 1 };
+        robot.ring_of((0..headings).map(|heading| {
+            let turned_rad = f64::from(heading) / f64::from(headings) * TAU;
+            let heading = pose.heading + turned_rad;
+            (turned_rad, self.ranges(Pose { heading, ..pose }))
+        }))
+    }
+
+    /// What each transducer tells.
+    fn ranges(&mut self, pose: Pose) -> [Option<Range>; 16] {
+        let mut ranges = [None; 16];
+        for (slot, &sensor) in FIRING_ORDER.iter().enumerate() {
+            let time_s = slot as f64 * FIRING_SLOT_S;
+            if let Some(range) = ranges.get_mut(sensor).filter(|_| sensor < self.transducers) {
+                let noise = &mut self.noise;
+                let range_m = self.ring.ping(self.world, &pose, sensor, time_s, noise);
+                // A range beyond 65 m cannot come from a sensor; the cast saturates.
+                *range = range_m.map(|m| Range::from_mm((m * 1e3) as u16));
+            }
+        }
+        ranges
+    }
 }
 
 /// What was known in the situation before the first move. A body's sensors do not see all at once,
@@ -80,7 +142,7 @@ mod tests {
                 None,
                 SonarModel::Ideal,
                 seed,
-                config.encoding,
+                &config,
             );
             let setup = Setup {
                 config: config.clone(),

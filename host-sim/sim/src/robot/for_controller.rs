@@ -11,6 +11,8 @@ use amp::turret::{BodySpec, Mount};
 use amp::units::{Displacement, Range};
 use arena::robot_model::SensorMount;
 
+/// A robot that turns does so once around where it knows nothing of its surroundings.
+const FIRST_LOOKS: u8 = 12;
 /// Distance from the body that a random move leaves while it finds its sensors, mm of the Nomad's.
 const BABBLE_MARGIN_MM: u16 = 30;
 
@@ -41,32 +43,38 @@ impl AnyRobot {
                 ..nomad
             },
             silence_mm: self.silence_mm(),
+            first_looks: if self.turns() { FIRST_LOOKS } else { 0 },
             most_unseen: if self.has_few_sensors() { 4 } else { u8::MAX },
             guard_mm: guard_m.map(|m| (m * 1e3).round() as u16),
             babble_margin_mm: self.scaled_mm(BABBLE_MARGIN_MM),
         }
     }
 
-    /// The ring of sectors that its controller reads off these ranges of its sensors, m, at rest
-    /// and without having been elsewhere; and which of the sectors are known.
-    pub(crate) fn ring_of(&self, ranges: &[Option<f64>]) -> ([Option<Range>; 16], Mask) {
+    /// The ring of sectors that its controller reads off what its sensors heard in one place, turned
+    /// by these angles, rad; and which of the sectors are known.
+    pub(crate) fn ring_of(
+        &self,
+        rings: impl IntoIterator<Item = (f64, [Option<Range>; 16])>,
+    ) -> ([Option<Range>; 16], Mask) {
         let limits = self.body().points;
-        let mut points = PointMemory::<16>::new();
-        for (mount, range) in self.mounts().into_iter().zip(ranges) {
-            let silence = self.silence_mm().map(Range::from_mm);
-            // A range beyond 65 m cannot come from a sensor; the cast saturates.
-            let echo = range.map(|m| Range::from_mm((m * 1e3) as u16));
-            let Some(seen) = echo.or(silence) else {
-                continue;
-            };
-            let Mount { position, axis } = mount_of(&mount);
-            let beam = Beam {
-                mount: position,
-                axis,
-                range: seen,
-                is_echo: echo.is_some(),
-            };
-            points.hear(&limits, &beam);
+        let silence = self.silence_mm().map(Range::from_mm);
+        let mut points = PointMemory::<256>::new();
+        for (turn_rad, ranges) in rings {
+            let turned = bearing(turn_rad).minus(points.heading());
+            points.moved(&limits, Displacement::ZERO, turned);
+            for (mount, echo) in self.mounts().iter().zip(ranges) {
+                let Mount { position, axis } = mount_of(mount);
+                let Some(range) = echo.or(silence) else {
+                    continue;
+                };
+                let beam = Beam {
+                    mount: position,
+                    axis,
+                    range,
+                    is_echo: echo.is_some(),
+                };
+                points.hear(&limits, &beam);
+            }
         }
         points.ring(&limits)
     }

@@ -326,11 +326,12 @@ fn any_body_fits_its_buffer() {
             replan_nearer_mm: u16::MAX,
         },
         silence_mm: Some(u16::MAX),
+        first_looks: u8::MAX,
         most_unseen: u8::MAX,
         guard_mm: Some(u16::MAX),
         babble_margin_mm: u16::MAX,
     };
-    assert_eq!(body.to_bytes(&mut [0; MAX_CONFIG]).len(), 336);
+    assert_eq!(body.to_bytes(&mut [0; MAX_CONFIG]).len(), 337);
 }
 
 #[test]

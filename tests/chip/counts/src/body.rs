@@ -74,6 +74,7 @@ fn spec() -> BodySpec<16> {
         actuation: Actuation::EXACT,
         points: PointLimits::NOMAD,
         silence_mm: None,
+        first_looks: 0,
         most_unseen: u8::MAX,
         guard_mm: Some(90),
         babble_margin_mm: 30,
