@@ -85,8 +85,8 @@ fn changed(goal: impl Fn(&Config<16>, &Situation<16>) -> Goal<16>) -> usize {
         let (mut robot, mut body) = trained(&world, steps);
         let before = robot.mind.clone();
         robot.twin = Some(before.clone());
-        let encoding = robot.config.encoding;
-        let (nest, _) = perceive(&world, world.start(), None, SonarModel::Ideal, 1, encoding);
+        let (start, config) = (world.start(), &robot.config);
+        let (nest, _) = perceive(&world, start, None, SonarModel::Ideal, 1, config);
         let goal = goal(&robot.config, &nest);
         let outputs = robot.send(body.now(), Command::Seek(goal));
         // No move, no change of memory or maps ...

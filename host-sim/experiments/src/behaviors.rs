@@ -119,7 +119,7 @@ fn seed_of(number: u64, seed: u64) -> u64 {
 /// One episode in one of the scene's worlds.
 fn setup(scene: &BehaviorScene, trial: &BehaviorTrial, world: &World, seed: u64) -> Setup {
     let behavior = match scene.behavior {
-        "seek" => show(world, trial, seed),
+        "seek" => shown_place(world, &trial.config, trial.robot.as_ref(), seed),
         name => name.parse().unwrap_or(Behavior::Avoid),
     };
     Setup {
@@ -138,15 +138,21 @@ fn setup(scene: &BehaviorScene, trial: &BehaviorTrial, world: &World, seed: u64)
     }
 }
 
-/// A demonstrated situation: what exact sensors report at a free position drawn by `seed`.
-fn show(world: &World, trial: &BehaviorTrial, seed: u64) -> Behavior {
+/// Seeks a free position drawn by `seed`, of which a robot is shown what exact sensors report there;
+/// `None` is the Nomad. `config` is the robot's.
+#[must_use]
+pub fn shown_place(
+    world: &World,
+    config: &Config<16>,
+    robot: Option<&AnyRobot>,
+    seed: u64,
+) -> Behavior {
     let mut noise = Noise::new(seed);
     let start = world.start();
-    let robot = trial.robot.as_ref();
     let radius_m = robot.map_or(COLLISION_RADIUS_M, |robot| robot.model().radius_m);
     let place = elsewhere(world, radius_m, start.position, &mut noise);
     let pose = Pose::new(place, start.heading);
-    let (situation, known) = perceive(world, pose, robot, SonarModel::Ideal, seed, &trial.config);
+    let (situation, known) = perceive(world, pose, robot, SonarModel::Ideal, seed, config);
     Behavior::Seek(Box::new(GoalFile::perceived(
         "shown", &situation, known, place,
     )))

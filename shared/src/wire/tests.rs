@@ -338,6 +338,7 @@ fn the_documented_grammar_is_the_one_compared() {
         text.contains(&format!("`{SCHEMA:#010x}`")),
         "{SCHEMA:#010x}"
     );
+    assert!(text.contains(&format!("schema {SCHEMA} is {SCHEMA:#010x}")));
     assert!(text.contains(&format!("version is {PROTOCOL}")));
     assert_eq!(CRC.checksum(b"123456789"), 0xcbf4_3926);
 }

@@ -7,15 +7,15 @@
 use super::{CampaignVerdict, ProgressCallback, grouped};
 use amp::config::Config;
 use arena::noise::Noise;
-use arena::robot::{COLLISION_RADIUS_M, TurretMode};
+use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::{Point, Pose, Shape, World};
+use experiments::behaviors::shown_place;
 use files::error::BadInput;
 use rayon::prelude::*;
 use sim::behavior::Behavior;
-use sim::episode::{Setup, elsewhere, perceive, run as run_episode};
+use sim::episode::{Setup, run as run_episode};
 use sim::error::EpisodeError;
-use sim::goal_file::GoalFile;
 use std::f64::consts::TAU;
 
 /// Cells: 8 behaviors, 2 sonar models, 2 turret modes.
@@ -119,7 +119,7 @@ fn episode(
     let (behavior, sonar, turret) = parts(number);
     let seed = seed.wrapping_add(number / CELLS);
     let behavior = match name(behavior) {
-        "seek" => captured(world, config, seed),
+        "seek" => shown_place(world, config, None, seed),
         name => name.parse().unwrap_or(Behavior::Avoid),
     };
     let setup = Setup {
@@ -151,22 +151,6 @@ fn episode(
             .into_iter()
             .collect(),
     })
-}
-
-/// A behavior that seeks another place by its situation.
-fn captured(world: &World, config: &Config<16>, seed: u64) -> Behavior {
-    let start = world.start();
-    let place = elsewhere(
-        world,
-        COLLISION_RADIUS_M,
-        start.position,
-        &mut Noise::new(seed),
-    );
-    let pose = Pose::new(place, start.heading);
-    let (situation, known) = perceive(world, pose, None, SonarModel::Ideal, seed, config.encoding);
-    Behavior::Seek(Box::new(GoalFile::perceived(
-        "captured", &situation, known, place,
-    )))
 }
 
 fn world(worlds: Worlds, seed: u64) -> Result<World, BadInput> {

@@ -128,8 +128,54 @@ mod tests {
     use super::*;
     use crate::behavior::Behavior;
     use crate::episode::{Setup, run};
+    use crate::robot::Ranges;
     use amp::config::Config;
     use arena::robot::TurretMode;
+    use arena::robot_model::RobotModel;
+    use arena::world::Shape;
+
+    /// The middle of a wide room, with a thin post at this bearing, 2 m away.
+    fn room_with_post(bearing_deg: f64) -> World {
+        let (sine, cosine) = libm::sincos(bearing_deg.to_radians());
+        let walls = Shape::room(Point::new(9.0, 9.0));
+        let room = World::new("room", Pose::default(), vec![walls]).expect("a sound world");
+        room.with_post(Point::new(cosine, sine) * 2.0, 0.03)
+    }
+
+    /// 15° is just outside the cone of sensor 0 and inside that of sensor 1; half a step aside it is
+    /// inside both.
+    #[test]
+    fn a_place_is_not_recognized_by_what_jumps_a_little_aside() {
+        let world = room_with_post(15.0);
+        for (config, is_masked) in [(Config::recommended(), true), (Config::touzet(), false)] {
+            let (_, recognized) =
+                perceive(&world, world.start(), None, SonarModel::Ideal, 0, &config);
+            assert_eq!(recognized.contains(0), !is_masked);
+            assert!(
+                (1..16).all(|sensor| recognized.contains(sensor)),
+                "{recognized:?}"
+            );
+        }
+    }
+
+    /// A Thymio has no sensors at its sides.
+    #[test]
+    fn a_body_perceives_a_place_while_it_turns_once_around() {
+        let model = RobotModel::find("thymio2").expect("a built-in robot");
+        let robot = AnyRobot::new(model, Ranges::Nomad, false).expect("few enough sensors");
+        let config = robot.config(Config::recommended());
+        let world = room_with_post(90.0);
+        let (situation, recognized) = perceive(
+            &world,
+            world.start(),
+            Some(&robot),
+            SonarModel::Ideal,
+            0,
+            &config,
+        );
+        assert!(recognized.contains(4), "{recognized:?}");
+        assert!(situation[4] > situation[0] && situation[4] > situation[8]);
+    }
 
     #[test]
     fn a_robot_at_its_start_perceives_what_is_captured_there() {
