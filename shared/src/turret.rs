@@ -97,8 +97,7 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
         self.last_ring = [None; SECTORS];
         (self.motion, self.course) = (None, Bearing::ZERO);
         (self.is_rolling, self.replans) = (false, 0);
-        (self.glance_since, self.glances) = (None, 0);
-        self.first_looks_left = 0;
+        (self.glance_since, self.glances, self.first_looks_left) = (None, 0, 0);
         self.last_motion_id = 0;
     }
 
@@ -330,8 +329,6 @@ where
         }
         if let Some(wanted) = outputs.motion {
             if let Some(glance) = self.glance_along(wanted.displacement.bearing()) {
-                self.controller.abandon_motion(self.at);
-                self.turret.motion = None;
                 outputs.motion = Some(glance);
                 return outputs;
             }

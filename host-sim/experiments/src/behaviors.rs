@@ -138,8 +138,8 @@ fn setup(scene: &BehaviorScene, trial: &BehaviorTrial, world: &World, seed: u64)
     }
 }
 
-/// Seeks a free position drawn by `seed`, of which a robot is shown what exact sensors report there;
-/// `None` is the Nomad. `config` is the robot's.
+/// Seeks a free position drawn by `seed`, of which a robot is shown what exact sensors report
+/// there; `None` is the Nomad. `config` is the robot's.
 #[must_use]
 pub fn shown_place(
     world: &World,

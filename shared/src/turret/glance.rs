@@ -1,5 +1,5 @@
-//! Looking around: a body with few sensors turns on the spot until it has seen enough to decide, and
-//! one that is blind ahead, to where it is about to go.
+//! Looking around: a body turns on the spot until it has seen enough to decide. One that is blind
+//! ahead looks to where it is about to go.
 
 use super::{BodySpec, RingController, Robot, VirtualTurret};
 use crate::controller::{Motion, Progress};
@@ -46,8 +46,11 @@ where
             self.turret.glances = 0;
             return None;
         }
-        if self.turret.first_looks_left > 0 && unseen > 0 {
-            self.turret.first_looks_left -= 1;
+        if unseen == 0 {
+            self.turret.first_looks_left = 0;
+        }
+        if let Some(left) = self.turret.first_looks_left.checked_sub(1) {
+            self.turret.first_looks_left = left;
             return Some(self.turn_by(Bearing::of_place(1, 12), GLANCE_ANYWHERE_MM));
         }
         if is_enough || self.turret.glances >= MAX_GLANCES {
@@ -56,7 +59,7 @@ where
         Some(self.turn_by(Bearing::of_place(1, 4), GLANCE_MM))
     }
 
-    /// The motion that looks along a way before the robot goes it, where it is blind ahead and
+    /// The motion that looks along a way instead of going it, where the robot is blind ahead and
     /// has not looked there from here. Who looks around before each decision has.
     pub(super) fn glance_along(&mut self, way: Bearing) -> Option<Motion> {
         let looks_around = usize::from(self.body.most_unseen) < SECTORS;
@@ -78,6 +81,8 @@ where
             .axes()
             .map(|axis| bearing.minus(self.turret.memory.heading().plus(axis)));
         let turn = turns.min_by_key(|turn| turn.as_signed_turns().unsigned_abs())?;
+        self.controller.abandon_motion(self.at);
+        self.turret.motion = None;
         Some(self.turn_by(turn, GLANCE_ANYWHERE_MM))
     }
 

@@ -5,6 +5,13 @@ use crate::units::Direction;
 
 const AHEAD: usize = 0;
 
+/// No motion of the controller's.
+const STILL: Motion = Motion {
+    id: 0,
+    displacement: Displacement::ZERO,
+    speed_mm_s: 0,
+};
+
 fn config() -> Config<16> {
     Config {
         shield: None,
@@ -125,12 +132,7 @@ fn turned_by_quarter(ranges: [Option<u16>; 16]) -> [Option<u16>; 16] {
 fn a_turned_body_decides_the_same_and_gets_the_motion_in_its_own_frame() {
     let room = core::array::from_fn(|sensor| Some(800 + 100 * sensor as u16));
     let (mut straight, mut turned) = (Rig::new(ring_body(None)), Rig::new(ring_body(None)));
-    let still = Motion {
-        id: 0,
-        displacement: Displacement::ZERO,
-        speed_mm_s: 0,
-    };
-    turned.report(still, Displacement::ZERO, 90, Progress::Ended);
+    turned.report(STILL, Displacement::ZERO, 90, Progress::Ended);
     for rig in [&mut straight, &mut turned] {
         rig.command(Command::Explore { moves: 9, seed: 5 });
     }
@@ -480,7 +482,9 @@ fn where_nothing_is_known_a_body_turns_until_it_has_seen_all() {
         };
         let first = looks(&mut rig).expect("a random move");
         assert!(expected.contains(&first), "{first}");
-        assert_eq!(looks(&mut rig), Some(0), "it has been here");
+        let away = Displacement::along(Bearing::ZERO, 500);
+        rig.report(STILL, away, 0, Progress::Ended);
+        assert_eq!(looks(&mut rig), Some(0), "it knows where it came from");
         // Carried elsewhere while it was off.
         rig.ms += 601_000;
         let _ = rig.handle(Event::Tick);
