@@ -142,8 +142,8 @@ mod tests {
         room.with_post(Point::new(cosine, sine) * 2.0, 0.03)
     }
 
-    /// 15° is just outside the cone of sensor 0 and inside that of sensor 1; half a step aside it is
-    /// inside both.
+    /// 15° is just outside the cone of sensor 0 and inside that of sensor 1; half a step aside it
+    /// is inside both.
     #[test]
     fn a_place_is_not_recognized_by_what_jumps_a_little_aside() {
         let world = room_with_post(15.0);

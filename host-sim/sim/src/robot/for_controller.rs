@@ -50,8 +50,8 @@ impl AnyRobot {
         }
     }
 
-    /// The ring of sectors that its controller reads off what its sensors heard in one place, turned
-    /// by these angles, rad; and which of the sectors are known.
+    /// The ring of sectors that its controller reads off what its sensors heard in one place,
+    /// turned by these angles, rad; and which of the sectors are known.
     pub(crate) fn ring_of(
         &self,
         rings: impl IntoIterator<Item = (f64, [Option<Range>; 16])>,
