@@ -1,4 +1,5 @@
-//! Robots of all layouts: how many worlds each leaves clean, and how near a wall it keeps.
+//! Robots of all layouts: how many worlds each leaves clean, how near a wall it keeps, and whether
+//! it finds its nest.
 
 use amp::config::Config;
 use arena::robot::TurretMode;
@@ -10,7 +11,7 @@ use sim::episode::{Body, Episode, Metrics, Seeds, Setup, drive_pilot, run};
 use sim::error::EpisodeError;
 use sim::ring_pilot::RingPilot;
 use sim::robot::AnyRobot;
-use sim::statistics::median;
+use sim::statistics::{Mean, bootstrap, median, wilson};
 use sim::turret_pilot::TurretPolicy;
 
 mod control;
@@ -65,33 +66,31 @@ pub struct BodyTrial {
 }
 
 /// What one robot did in all worlds.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyOutcome {
     /// Worlds.
     pub worlds: usize,
-    /// Worlds without a contact while avoiding obstacles. A robot that stops by itself before the
-    /// end leaves no clean world.
-    pub clean: usize,
-    /// Worlds in which the robot stopped by itself.
+    /// Share of the worlds without a contact while avoiding obstacles, with Wilson's interval. A
+    /// robot that stops by itself before the end leaves no clean world.
+    pub clean: Mean,
+    /// Worlds in which the robot stopped by itself while avoiding obstacles.
     pub stopped: usize,
     /// Contacts while avoiding obstacles.
     pub contacts: u32,
     /// Distance while avoiding obstacles, m.
     pub distance_m: f64,
-    /// Mean error of the distance to a wall on the right, m; `None` if that was not tried.
-    pub wall_error_m: Option<f64>,
+    /// Error of the distance to a wall on the right, m, with an interval over the worlds; `None`
+    /// if that was not tried.
+    pub wall_error_m: Option<Mean>,
+    /// Share of the worlds in which the robot was at its nest at the end, with Wilson's interval;
+    /// `None` if that was not tried.
+    pub nest: Option<Mean>,
     /// Median over the worlds of the median and of the greatest error of the sensors' bearings,
     /// degrees, where they were learned.
     pub bearing_errors_deg: Option<[f64; 2]>,
 }
 
 impl BodyOutcome {
-    /// Share of clean worlds, %.
-    #[must_use]
-    pub fn clean_percent(&self) -> f64 {
-        100.0 * self.clean as f64 / self.worlds.max(1) as f64
-    }
-
     /// Contacts per km.
     #[must_use]
     pub fn contacts_per_km(&self) -> f64 {
@@ -99,8 +98,8 @@ impl BodyOutcome {
     }
 }
 
-/// Measures one robot, avoiding obstacles and along walls; `None` = the Nomad with its ring on a
-/// held turret and no virtual one. `done` is called after each episode.
+/// Measures one robot, avoiding obstacles, along walls and back to its nest; `None` = the Nomad
+/// with its ring on a held turret and no virtual one. `done` is called after each episode.
 pub fn measure(
     robot: Option<&AnyRobot>,
     sonar: SonarModel,
@@ -123,12 +122,14 @@ pub fn measure(
     let avoiding = drive(Behavior::Avoid);
     let episodes: Vec<_> = avoiding.iter().flatten().collect();
     let reports: Vec<_> = episodes.iter().map(|episode| &episode.report).collect();
-    let along_walls = drive(Behavior::WallRight);
-    let errors: Vec<_> = along_walls
-        .iter()
-        .flatten()
-        .map(|episode| episode.report.success)
-        .collect();
+    let successes = |behavior| {
+        let episodes = drive(behavior);
+        let driven = episodes.iter().flatten();
+        driven.map(|e| e.report.success).collect::<Vec<_>>()
+    };
+    let wall_errors_m = successes(Behavior::WallRight);
+    let at_nest = successes(Behavior::Nest);
+    let found = at_nest.iter().filter(|success| **success == 1.0).count();
     let bearing_errors = |which: usize| {
         let errors = episodes.iter().filter_map(|e| e.bearing_errors_deg);
         let errors: Vec<_> = errors.map(|errors| errors[which]).collect();
@@ -136,12 +137,15 @@ pub fn measure(
     };
     BodyOutcome {
         worlds: avoiding.len(),
-        clean: reports.iter().filter(|report| report.contacts == 0).count(),
+        clean: wilson(
+            reports.iter().filter(|report| report.contacts == 0).count(),
+            avoiding.len(),
+        ),
         stopped: avoiding.len() - reports.len(),
         contacts: reports.iter().map(|report| report.contacts).sum(),
         distance_m: reports.iter().map(|report| report.distance_m).sum(),
-        wall_error_m: (!errors.is_empty())
-            .then(|| errors.iter().sum::<f64>() / errors.len() as f64),
+        wall_error_m: (!wall_errors_m.is_empty()).then(|| over_worlds(&wall_errors_m)),
+        nest: Some(wilson(found, avoiding.len())),
         bearing_errors_deg: bearing_errors(0)
             .zip(bearing_errors(1))
             .map(<[f64; 2]>::from),
@@ -168,16 +172,23 @@ pub fn measure_control(
     let driven: Vec<_> = drives.iter().flatten().collect();
     BodyOutcome {
         worlds: drives.len(),
-        clean: driven
-            .iter()
-            .filter(|metrics| metrics.contacts == 0)
-            .count(),
+        clean: wilson(
+            driven.iter().filter(|driven| driven.contacts == 0).count(),
+            drives.len(),
+        ),
         stopped: drives.len() - driven.len(),
         contacts: driven.iter().map(|metrics| metrics.contacts).sum(),
         distance_m: driven.iter().map(|metrics| metrics.distance_m).sum(),
         wall_error_m: None,
+        nest: None,
         bearing_errors_deg: None,
     }
+}
+
+/// Mean of one value per world.
+fn over_worlds(values: &[f64]) -> Mean {
+    let worlds: Vec<_> = values.iter().map(|value| vec![*value]).collect();
+    bootstrap(&worlds)
 }
 
 /// Distance that a control keeps from obstacles, in units of the goal's clearance: the best of 1,

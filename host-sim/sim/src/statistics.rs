@@ -11,10 +11,23 @@ pub struct Mean {
     pub interval: [f64; 2],
 }
 
+impl Mean {
+    /// A share, in percent.
+    #[must_use]
+    pub fn percent(self) -> Self {
+        Self {
+            mean: self.mean * 100.0,
+            interval: self.interval.map(|end| end * 100.0),
+        }
+    }
+}
+
+/// The mean and its interval, with three decimals if the format does not say how many.
 impl std::fmt::Display for Mean {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let [low, high] = self.interval;
-        write!(f, "{:.3} [{low:.3}, {high:.3}]", self.mean)
+        let digits = f.precision().unwrap_or(3);
+        let ([low, high], mean) = (self.interval, self.mean);
+        write!(f, "{mean:.digits$} [{low:.digits$}, {high:.digits$}]")
     }
 }
 

@@ -1,6 +1,6 @@
 //! `host-sim bodies`: measures robots whose sensors stand anywhere on their bodies.
 
-use super::output::bar;
+use super::output::{bar, prepare};
 use super::robot::ToldArgs;
 use super::setup::parsed;
 use super::{CliError, table};
@@ -10,9 +10,12 @@ use arena::sonar::SonarModel;
 use clap::{Args, ValueEnum};
 use experiments::bodies::{BodyOutcome, BodyTrial, Control, Generator, measure, measure_control};
 use files::error::BadInput;
+use plots::{DotPanel, DotSection, dot_plot, save_picture};
 use sim::pilot::MAX_MOVES;
 use sim::robot::{AnyRobot, Origin, Ranges};
+use sim::statistics::Mean;
 use std::io::Write;
+use std::path::PathBuf;
 
 /// Flags of the `bodies` command.
 #[derive(Debug, Clone, Args)]
@@ -53,6 +56,9 @@ pub struct BodiesArgs {
     /// Print Markdown
     #[arg(long)]
     markdown: bool,
+    /// Folder for the table as a picture
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
 }
 
 /// What chooses the moves, as named on the command line.
@@ -94,7 +100,7 @@ enum GeneratorChoice {
 /// The Nomad's ring on its held turret.
 const RING: &str = "ring";
 
-const HEADS: [&str; 9] = [
+const HEADS: [&str; 10] = [
     "robot",
     "sensors",
     "limited by",
@@ -102,6 +108,7 @@ const HEADS: [&str; 9] = [
     "contacts per km",
     "distance, m",
     "wall error, m",
+    "nest found, %",
     "bearing error, degrees: median, worst",
     "stopped",
 ];
@@ -119,13 +126,16 @@ pub fn bodies(args: &BodiesArgs, out: &mut impl Write) -> Result<(), CliError> {
         .into());
     }
     let robots = robots(args)?;
+    if let Some(dir) = &args.out {
+        prepare(dir)?;
+    }
     let conditions = [SonarModel::Ideal, SonarModel::Nomad];
     let guards = if control.is_some() {
         &[false][..]
     } else {
         &[false, true]
     };
-    let per_row = u64::from(args.worlds) * if control.is_some() { 1 } else { 2 };
+    let per_row = u64::from(args.worlds) * if control.is_some() { 1 } else { 3 };
     let rows = (robots.len() * conditions.len() * guards.len()) as u64;
     let progress = bar(per_row * rows, "episodes");
     let mut rows = Vec::new();
@@ -138,7 +148,12 @@ pub fn bodies(args: &BodiesArgs, out: &mut impl Write) -> Result<(), CliError> {
                     None => measure(robot, sonar, &trial, &done),
                     Some(control) => measure_control(robot, control, sonar, &trial, &done),
                 };
-                rows.push(row(name, sonar, has_guard, &outcome));
+                rows.push(BodyRow {
+                    name,
+                    sonar,
+                    has_guard,
+                    outcome,
+                });
             }
         }
     }
@@ -148,20 +163,35 @@ pub fn bodies(args: &BodiesArgs, out: &mut impl Write) -> Result<(), CliError> {
     } else {
         table::plain
     };
-    out.write_all(format(&HEADS, &rows, &[3, 4, 5, 6, 7, 8]).as_bytes())?;
-    Ok(writeln!(
+    let cells: Vec<_> = rows.iter().map(BodyRow::cells).collect();
+    out.write_all(format(&HEADS, &cells, &[3, 4, 5, 6, 7, 8, 9]).as_bytes())?;
+    let about = about(args);
+    writeln!(
         out,
-        "\n{} worlds of {} from {} on, {} random moves and {} steps of each behavior; {}.",
+        "\n{about}; {} random moves and {} steps of each behavior. [95 % interval]",
+        args.explore, args.steps
+    )?;
+    if let Some(dir) = &args.out {
+        let subtitle = format!("{about}; dot: mean, line: 95 % interval");
+        let svg = dot_plot("Robots of all layouts", &subtitle, &sections(&rows));
+        let [picture, _] = save_picture(dir, "bodies", &svg)?;
+        writeln!(out, "Picture: {}", picture.display())?;
+    }
+    Ok(())
+}
+
+/// What the table was measured in.
+fn about(args: &BodiesArgs) -> String {
+    format!(
+        "{} worlds of {} from {} on, {}",
         args.worlds,
         trial(args, false).generator.name(),
         args.first,
-        args.explore,
-        args.steps,
         match args.ranges {
             Ranges::Own => "bodies and ranges are the robots' own",
             Ranges::Nomad => "layouts and drives on the Nomad's body",
         }
-    )?)
+    )
 }
 
 /// Each robot by name, without and with a guard; `None` for the ring on its turret.
@@ -200,33 +230,81 @@ fn trial(args: &BodiesArgs, has_guard: bool) -> BodyTrial {
     }
 }
 
-fn row(name: &str, sonar: SonarModel, has_guard: bool, outcome: &BodyOutcome) -> Vec<String> {
-    let drove = outcome.worlds - outcome.stopped;
-    let driven = |text: String| if drove > 0 { text } else { "–".to_owned() };
-    vec![
-        name.to_owned(),
-        match sonar {
-            SonarModel::Ideal => "exact",
-            SonarModel::Nomad | SonarModel::Harsh => "noisy",
-        }
-        .to_owned(),
-        match (has_guard, name) {
+/// A row of the table.
+struct BodyRow<'a> {
+    name: &'a str,
+    sonar: SonarModel,
+    has_guard: bool,
+    outcome: BodyOutcome,
+}
+
+impl BodyRow<'_> {
+    fn limited_by(&self) -> &'static str {
+        match (self.has_guard, self.name) {
             (false, _) => "nothing",
             (true, RING) => "shield",
             (true, _) => "guard",
         }
-        .to_owned(),
-        format!("{:.1}", outcome.clean_percent()),
-        driven(format!("{:.2}", outcome.contacts_per_km())),
-        driven(format!("{:.0}", outcome.distance_m / drove as f64)),
-        match outcome.wall_error_m {
-            None => "–".to_owned(),
-            Some(error_m) => driven(format!("{error_m:.2}")),
-        },
-        match outcome.bearing_errors_deg {
-            None => "–".to_owned(),
-            Some([median, worst]) => format!("{median:.1}, {worst:.1}"),
-        },
-        outcome.stopped.to_string(),
-    ]
+    }
+
+    fn cells(&self) -> Vec<String> {
+        let outcome = &self.outcome;
+        let drove = outcome.worlds - outcome.stopped;
+        let none = || "–".to_owned();
+        let driven = |text: String| if drove > 0 { text } else { none() };
+        let shown = |mean: Option<Mean>, digits: usize| {
+            mean.map_or_else(none, |mean| format!("{mean:.digits$}"))
+        };
+        let errors_deg = outcome.bearing_errors_deg;
+        vec![
+            self.name.to_owned(),
+            sensors(self.sonar).to_owned(),
+            self.limited_by().to_owned(),
+            format!("{:.1}", outcome.clean.percent()),
+            driven(format!("{:.2}", outcome.contacts_per_km())),
+            driven(format!("{:.0}", outcome.distance_m / drove as f64)),
+            shown(outcome.wall_error_m, 2),
+            shown(outcome.nest.map(Mean::percent), 1),
+            errors_deg.map_or_else(none, |[median, worst]| format!("{median:.1}, {worst:.1}")),
+            outcome.stopped.to_string(),
+        ]
+    }
+}
+
+const fn sensors(sonar: SonarModel) -> &'static str {
+    match sonar {
+        SonarModel::Ideal => "exact",
+        SonarModel::Nomad | SonarModel::Harsh => "noisy",
+    }
+}
+
+/// The rows as a picture: exact sensors above, noisy ones below.
+fn sections(rows: &[BodyRow<'_>]) -> Vec<DotSection> {
+    let section = |sonar: SonarModel| {
+        let rows: Vec<_> = rows.iter().filter(|row| row.sonar == sonar).collect();
+        let panel = |name: &str, most: f64, value: fn(&BodyOutcome) -> Option<Mean>| DotPanel {
+            name: name.to_owned(),
+            within: [0.0, most],
+            means: rows.iter().map(|row| value(&row.outcome)).collect(),
+        };
+        let label = |row: &&BodyRow<'_>| {
+            let limited = match row.limited_by() {
+                "nothing" => row.name.to_owned(),
+                by => format!("{}, {by}", row.name),
+            };
+            (limited, row.outcome.worlds)
+        };
+        let mut panels = vec![
+            panel("clean worlds, %", 100.0, |o| Some(o.clean.percent())),
+            panel("wall error, m", f64::INFINITY, |o| o.wall_error_m),
+            panel("nest found, %", 100.0, |o| o.nest.map(Mean::percent)),
+        ];
+        panels.retain(|panel| panel.means.iter().any(Option::is_some));
+        DotSection {
+            title: format!("{} sensors", sensors(sonar)),
+            labels: rows.iter().map(label).collect(),
+            panels,
+        }
+    };
+    [SonarModel::Ideal, SonarModel::Nomad].map(section).into()
 }

@@ -149,23 +149,12 @@ fn text(drawn: &[DrawnChoice<'_>]) -> String {
 
 /// The figures in the form of the table.
 fn figures_of(outcome: &SweepOutcome) -> [String; 4] {
-    let with = |mean: Mean, digits: usize| {
-        let ([low, high], mean) = (mean.interval, mean.mean);
-        format!("{mean:.digits$} [{low:.digits$}, {high:.digits$}]")
-    };
     [
         outcome.episodes.to_string(),
-        with(percent(outcome.clean), 1),
-        with(outcome.success, 4),
+        format!("{:.1}", outcome.clean.percent()),
+        format!("{:.4}", outcome.success),
         format!("{:.1}", outcome.distance_m),
     ]
-}
-
-fn percent(share: Mean) -> Mean {
-    Mean {
-        mean: share.mean * 100.0,
-        interval: share.interval.map(|end| end * 100.0),
-    }
 }
 
 const CAPTION: &str = "Each value's episodes, all other options together: the share without contact (interval by Wilson's score, \
@@ -206,7 +195,7 @@ fn sections(choice: &SweptChoice, found: &[BehaviorOutcomes]) -> Vec<DotSection>
             labels: choice.values.iter().cloned().zip(episodes).collect(),
             panels: vec![
                 panel("episodes without contact, %", [0.0, 100.0], |found| {
-                    percent(found.clean)
+                    found.clean.percent()
                 }),
                 panel("success", [0.0, f64::INFINITY], |found| found.success),
             ],
