@@ -81,6 +81,23 @@ fn a_captured_place_is_found_again() {
     assert_eq!(names, ["place-0.toml", "place-1.toml", "place-2.toml"]);
 }
 
+/// It goes there by the command that `capture` prints.
+#[test]
+fn a_body_finds_the_place_that_it_was_shown() {
+    let program = host_sim!();
+    let robot = "--robot turtlebot3 --ranges nomad";
+    for at in ["1.5,1", "-1,0.5", "0,-1.2"] {
+        let said = program.ok(&format!(
+            "capture {robot} --world room --at {at} --out place.toml"
+        ));
+        let command = said.split_once("Go there: host-sim run ").expect(&said).1;
+        assert!(command.starts_with(robot), "{command}");
+        let line = line(&program, &format!("{} --shield off", command.trim_end()));
+        assert_eq!(figure(&line, "success"), 1.0, "{line}");
+        assert!(figure(&line, "distance_m") >= 0.7, "{line}");
+    }
+}
+
 #[test]
 fn the_list_names_every_behavior() {
     let program = host_sim!();

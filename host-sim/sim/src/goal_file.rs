@@ -4,7 +4,7 @@
 //!
 //! ```toml
 //! # By sonar (0 ahead, counter-clockwise): 1 = near limit, 0 = nothing within the far limit,
-//! # nan = not known.
+//! # nan = not asked for.
 //! situation = [0.5, 0.4, 0.2, 0.0, 0.0, 0.1, 0.3, 0.2, 0.1, 0.0, 0.0, 0.0, 0.2, 0.4, 0.5, 0.5]
 //! place_m = [1.5, -0.5]   # optional; only measures success, the controller never uses it
 //! ```
@@ -133,7 +133,7 @@ pub fn text(situation: &Situation<16>, known: Mask, place: Point, remark: &str) 
     let values: Vec<_> = situation.iter().enumerate().map(value).collect();
     format!(
         "# {remark}\n# By sonar (0 ahead, counter-clockwise): 1 = as near as the near limit, 0 = nothing within the far \
-         limit, nan = not known.\nsituation = [{}]\nplace_m = [{:?}, {:?}]\n",
+         limit, nan = not asked for.\nsituation = [{}]\nplace_m = [{:?}, {:?}]\n",
         values.join(", "),
         place.x,
         place.y
@@ -172,7 +172,7 @@ fn situation(values: &Spanned<Vec<Spanned<f64>>>) -> Result<[Component; 16], Par
         }
         if !(0.0..=1.0).contains(&number) {
             let what = format!(
-                "each value of situation must lie in 0..=1 or be nan (not known), not {number}"
+                "each value of situation must lie in 0..=1 or be nan (not asked for), not {number}"
             );
             return Err((Some(value.span()), what));
         }
@@ -312,7 +312,7 @@ mod tests {
             (
                 &sixteen("1.5"),
                 Some(2),
-                "0..=1 or be nan (not known), not 1.5",
+                "0..=1 or be nan (not asked for), not 1.5",
             ),
             (&sixteen("nan"), Some(2), "asks for nothing"),
             (

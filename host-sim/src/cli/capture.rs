@@ -110,7 +110,7 @@ pub fn capture(args: &CaptureArgs, out: &mut impl Write) -> Result<(), CliError>
         out,
         "{file}: what the robot perceives at ({x}, {y}) in {}\nGo there: host-sim run{} --world {} --behavior seek:{file}",
         world.name(),
-        robot.map_or_else(String::new, |_| format!(" --robot {}", args.robot.name())),
+        args.robot.flags(),
         args.world
     )?)
 }

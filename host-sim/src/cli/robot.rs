@@ -77,6 +77,16 @@ impl NamedRobotArgs {
         &self.robot
     }
 
+    /// These flags again, each after a space; none for the Nomad as it is.
+    pub(super) fn flags(&self) -> String {
+        let name = &self.robot;
+        match self.ranges {
+            Ranges::Own if name == NOMAD => String::new(),
+            Ranges::Own => format!(" --robot {name}"),
+            Ranges::Nomad => format!(" --robot {name} --ranges nomad"),
+        }
+    }
+
     /// The robot, with a guard or without; `None` = the Nomad as it is.
     ///
     /// # Errors
