@@ -190,6 +190,16 @@ impl AnyRobot {
         Some([*errors.get(errors.len() / 2)?, *errors.last()?])
     }
 
+    /// Its name; of a layout on the Nomad's body, `p3dx on nomad200`.
+    #[must_use]
+    pub fn label(&self) -> String {
+        let name = &self.model.name;
+        match self.ranges {
+            Ranges::Own => name.clone(),
+            Ranges::Nomad => format!("{name} on nomad200"),
+        }
+    }
+
     /// The robot; with [`Ranges::Nomad`] on the Nomad's body.
     #[must_use]
     pub fn model(&self) -> &RobotModel {

@@ -11,7 +11,7 @@ use crate::behavior::Behavior;
 use crate::error::EpisodeError;
 use crate::pilot::{InspectableController, LocalController, Pilot};
 use crate::recording::Recording;
-use crate::robot::Origin;
+use crate::robot::{AnyRobot, Origin};
 use crate::turret_pilot::TurretController;
 use amp::controller::{Command, Decision, Event};
 use amp::fixed::{Mask, Weight};
@@ -210,6 +210,10 @@ pub(super) fn report(
     EpisodeReport {
         world: world.name().to_owned(),
         behavior: setup.behavior.name(),
+        robot: setup
+            .robot
+            .as_ref()
+            .map_or_else(|| "nomad200".to_owned(), AnyRobot::label),
         preset: setup.preset.clone(),
         sonar: setup.sonar.name().to_owned(),
         seed: setup.seed,

@@ -86,6 +86,8 @@ pub struct EpisodeReport {
     pub world: String,
     /// Behavior.
     pub behavior: String,
+    /// Robot: [`AnyRobot::label`](crate::robot::AnyRobot::label), `nomad200` for the Nomad.
+    pub robot: String,
     /// Preset of the configuration.
     pub preset: String,
     /// Sonar model.
@@ -122,9 +124,10 @@ pub struct EpisodeReport {
 
 impl EpisodeReport {
     /// Names of the fields, in order.
-    pub const FIELDS: [&str; 18] = [
+    pub const FIELDS: [&str; 19] = [
         "world",
         "behavior",
+        "robot",
         "preset",
         "sonar",
         "seed",

@@ -97,6 +97,7 @@ fn a_row_holds_the_reports_fields_as_json_writes_them() {
     let report = EpisodeReport {
         world: "a \"b\",\nc".into(),
         behavior: "avoid,nest".into(),
+        robot: "nomad200".into(),
         preset: "default".into(),
         sonar: "ideal".into(),
         seed: u64::MAX,
