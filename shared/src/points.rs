@@ -256,18 +256,6 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         views.fold(Mask::NONE, with_views)
     }
 
-    /// Whether a sector in this direction was looked at from here.
-    #[must_use]
-    pub fn is_seen_from_here<const SECTORS: usize>(
-        &self,
-        limits: &PointLimits,
-        bearing: Bearing,
-    ) -> bool {
-        let seen = self.seen_from_here::<SECTORS>(limits);
-        let [own, _] = sectors_at::<SECTORS>(bearing);
-        own.sector.is_some_and(|sector| seen.contains(sector))
-    }
-
     /// How far a disc of `radius_mm` may go from here along `way`, in the frame of the start,
     /// before it touches a point; at most the way's length. Millimeters.
     #[must_use]
@@ -341,6 +329,12 @@ struct SectorView {
     sector: Option<usize>,
     /// The bearing is within a quarter of a sector of the axis.
     is_central: bool,
+}
+
+/// The sector of a ring whose axis is nearest to a bearing; `None` for a ring without sectors.
+pub(crate) fn sector_at<const SECTORS: usize>(bearing: Bearing) -> Option<usize> {
+    let [own, _] = sectors_at::<SECTORS>(bearing);
+    own.sector
 }
 
 /// The sectors that a bearing belongs to: the nearest, and the next if it is within 1/18 of a

@@ -54,8 +54,8 @@ pub struct VirtualTurret<const SECTORS: usize, const POINTS: usize> {
     replans: u8,
     /// Since when it has been looking around.
     glance_since: Option<Millis>,
-    /// Turns that are left of a look around in an unknown place.
-    first_looks_left: u8,
+    /// Turns made of the look around in an unknown place; `None` = it is over.
+    first_looks: Option<u8>,
     /// Glances since the last decision.
     glances: u8,
     /// The controller's last motion.
@@ -83,7 +83,7 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
             is_rolling: false,
             replans: 0,
             glance_since: None,
-            first_looks_left: 0,
+            first_looks: Some(0),
             glances: 0,
             last_motion_id: 0,
         }
@@ -97,7 +97,7 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
         self.last_ring = [None; SECTORS];
         (self.motion, self.course) = (None, Bearing::ZERO);
         (self.is_rolling, self.replans) = (false, 0);
-        (self.glance_since, self.glances, self.first_looks_left) = (None, 0, 0);
+        (self.glance_since, self.glances, self.first_looks) = (None, 0, Some(0));
         self.last_motion_id = 0;
     }
 
@@ -255,11 +255,9 @@ where
     fn remember(&mut self, mount: Mount, range: Option<Range>) {
         if self.at.after(self.turret.heard_at) >= FORGET_MS {
             self.turret.memory.forget();
+            self.turret.first_looks = Some(0);
         }
         self.turret.heard_at = self.at;
-        if self.turret.memory.is_empty() {
-            self.turret.first_looks_left = self.body.first_looks;
-        }
         let Some(seen) = range.or(self.body.silence_mm.map(Range::from_mm)) else {
             return;
         };

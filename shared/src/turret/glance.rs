@@ -4,6 +4,7 @@
 use super::{BodySpec, RingController, Robot, VirtualTurret};
 use crate::controller::{Motion, Progress};
 use crate::fixed::Mask;
+use crate::points::sector_at;
 use crate::units::{Bearing, Displacement, Millis};
 
 /// Glances before a decision, at most: a whole turn of quarters.
@@ -46,12 +47,12 @@ where
             self.turret.glances = 0;
             return None;
         }
-        if unseen == 0 {
-            self.turret.first_looks_left = 0;
-        }
-        if let Some(left) = self.turret.first_looks_left.checked_sub(1) {
-            self.turret.first_looks_left = left;
-            return Some(self.turn_by(Bearing::of_place(1, 12), GLANCE_ANYWHERE_MM));
+        if let Some(made) = self.turret.first_looks {
+            if unseen > 0 && made < self.body.first_looks {
+                self.turret.first_looks = Some(made.saturating_add(1));
+                return Some(self.turn_by(Bearing::of_place(1, 12), GLANCE_ANYWHERE_MM));
+            }
+            self.turret.first_looks = None;
         }
         if is_enough || self.turret.glances >= MAX_GLANCES {
             return None;
@@ -66,16 +67,15 @@ where
         if looks_around || self.turret.glances >= MAX_GLANCES || !self.controller.pursues_goal() {
             return None;
         }
-        let is_seen = |bearing| {
-            let limits = &self.body.points;
-            self.turret
-                .memory
-                .is_seen_from_here::<SECTORS>(limits, bearing)
-        };
         let blind = AHEAD.into_iter().filter(|ahead| !self.body.sees(*ahead));
-        let bearing = blind
-            .map(|ahead| way.plus(ahead))
-            .find(|bearing| !is_seen(*bearing))?;
+        let mut blind = blind.map(|ahead| way.plus(ahead)).peekable();
+        blind.peek()?;
+        let seen = self
+            .turret
+            .memory
+            .seen_from_here::<SECTORS>(&self.body.points);
+        let is_seen = |bearing| sector_at::<SECTORS>(bearing).is_some_and(|s| seen.contains(s));
+        let bearing = blind.find(|bearing| !is_seen(*bearing))?;
         let turns = self
             .body
             .axes()

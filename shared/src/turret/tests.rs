@@ -1,5 +1,6 @@
 use super::*;
 use crate::controller::{Command, NomadState};
+use crate::points::sector_at;
 use crate::som::Grid;
 use crate::units::Direction;
 
@@ -441,8 +442,8 @@ fn a_robot_that_is_blind_ahead_looks_before_it_goes() {
             .displacement
             .bearing()
             .plus(rig.turret.memory().heading());
-        let limits = &rig.body.points;
-        assert!(rig.turret.memory().is_seen_from_here::<16>(limits, ahead));
+        let seen = rig.turret.memory().seen_from_here::<16>(&rig.body.points);
+        assert!(sector_at::<16>(ahead).is_some_and(|sector| seen.contains(sector)));
     }
 }
 
@@ -491,4 +492,20 @@ fn where_nothing_is_known_a_body_turns_until_it_has_seen_all() {
         rig.command(Command::Explore { moves: 9, seed: 5 });
         assert_eq!(looks(&mut rig), Some(first), "it may be anywhere");
     }
+}
+
+/// Nothing is within the reach of its sonars, wherever it looks: it does not look without end.
+#[test]
+fn where_nothing_is_heard_a_body_looks_around_once() {
+    let mut rig = Rig::new(BodySpec {
+        first_looks: 12,
+        ..ring_body(None)
+    });
+    rig.command(Command::Explore { moves: 9, seed: 5 });
+    for look in 0..12 {
+        let motion = rig.hear([None; 16]).expect("a turn");
+        assert!(motion.displacement.length_mm() <= 4, "{look}: {motion:?}");
+        rig.report(motion, Displacement::ZERO, 30, Progress::Ended);
+    }
+    assert_eq!(rig.hear([None; 16]), None);
 }
