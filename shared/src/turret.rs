@@ -54,8 +54,10 @@ pub struct VirtualTurret<const SECTORS: usize, const POINTS: usize> {
     replans: u8,
     /// Since when it has been looking around.
     glance_since: Option<Millis>,
-    /// Turns made of the look around in an unknown place; `None` = it is over.
-    first_looks: Option<u8>,
+    /// Turns made of the look around in an unknown place.
+    first_looks: u8,
+    /// That look is over.
+    knows_place: bool,
     /// Glances since the last decision.
     glances: u8,
     /// The controller's last motion.
@@ -83,7 +85,8 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
             is_rolling: false,
             replans: 0,
             glance_since: None,
-            first_looks: Some(0),
+            first_looks: 0,
+            knows_place: false,
             glances: 0,
             last_motion_id: 0,
         }
@@ -97,7 +100,8 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
         self.last_ring = [None; SECTORS];
         (self.motion, self.course) = (None, Bearing::ZERO);
         (self.is_rolling, self.replans) = (false, 0);
-        (self.glance_since, self.glances, self.first_looks) = (None, 0, Some(0));
+        (self.glance_since, self.glances) = (None, 0);
+        (self.first_looks, self.knows_place) = (0, false);
         self.last_motion_id = 0;
     }
 
@@ -255,7 +259,7 @@ where
     fn remember(&mut self, mount: Mount, range: Option<Range>) {
         if self.at.after(self.turret.heard_at) >= FORGET_MS {
             self.turret.memory.forget();
-            self.turret.first_looks = Some(0);
+            (self.turret.first_looks, self.turret.knows_place) = (0, false);
         }
         self.turret.heard_at = self.at;
         let Some(seen) = range.or(self.body.silence_mm.map(Range::from_mm)) else {

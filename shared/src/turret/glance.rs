@@ -47,12 +47,11 @@ where
             self.turret.glances = 0;
             return None;
         }
-        if let Some(made) = self.turret.first_looks {
-            if unseen > 0 && made < self.body.first_looks {
-                self.turret.first_looks = Some(made.saturating_add(1));
-                return Some(self.turn_by(Bearing::of_place(1, 12), GLANCE_ANYWHERE_MM));
-            }
-            self.turret.first_looks = None;
+        let has_looked = unseen == 0 || self.turret.first_looks >= self.body.first_looks;
+        self.turret.knows_place |= has_looked;
+        if !self.turret.knows_place {
+            self.turret.first_looks += 1;
+            return Some(self.turn_by(Bearing::of_place(1, 12), GLANCE_ANYWHERE_MM));
         }
         if is_enough || self.turret.glances >= MAX_GLANCES {
             return None;
