@@ -99,9 +99,8 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
         (self.fresh, self.heard_at) = (Mask::NONE, Millis::from_ms(0));
         self.last_ring = [None; SECTORS];
         (self.motion, self.course) = (None, Bearing::ZERO);
-        (self.is_rolling, self.replans) = (false, 0);
-        (self.glance_since, self.glances) = (None, 0);
-        (self.first_looks, self.knows_place) = (0, false);
+        (self.is_rolling, self.replans, self.knows_place) = (false, 0, false);
+        (self.glance_since, self.glances, self.first_looks) = (None, 0, 0);
         self.last_motion_id = 0;
     }
 
