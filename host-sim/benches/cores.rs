@@ -52,6 +52,7 @@ fn seconds(pool: &ThreadPool, worlds: &[World]) -> f64 {
         robot: None,
         set_down: None,
         faults: Vec::new(),
+        second_robot: false,
         record: false,
     };
     let contacts = |world| {

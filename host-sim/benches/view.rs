@@ -29,6 +29,7 @@ fn seeking() -> Simulator {
             robot: None,
             set_down: None,
             faults: Vec::new(),
+            second_robot: false,
             record: false,
         },
         whole: config,

@@ -162,6 +162,13 @@ impl Base {
         self.steering = self.ring;
     }
 
+    /// Turns the whole robot by `angle` rad to the left, as slipping wheels do.
+    pub fn drift(&mut self, angle: f64) {
+        for direction in [&mut self.ring, &mut self.steering] {
+            direction.set(wrap_angle(direction.angle() + angle));
+        }
+    }
+
     /// Points the wheels, and a following turret, along a displacement in the ring frame,
     /// instantly.
     fn point_wheels(&mut self, displacement: Point) {

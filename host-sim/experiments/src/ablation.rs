@@ -275,6 +275,7 @@ fn mind(
         robot: None,
         set_down: None,
         faults: Vec::new(),
+        second_robot: false,
         record: false,
     };
     let report = run(world, &setup, |_, _, _| {})?.report;

@@ -251,6 +251,7 @@ fn setup(
         robot: robot.cloned(),
         set_down: None,
         faults: Vec::new(),
+        second_robot: false,
         record: false,
     }
 }

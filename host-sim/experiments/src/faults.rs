@@ -81,7 +81,11 @@ pub fn fault_episodes(
         Some(kind) => (0..16)
             .map(|sensor| {
                 let kind = kind.turned(sensor);
-                Some(TransducerFault { sensor, kind })
+                Some(TransducerFault {
+                    sensor,
+                    kind,
+                    since_s: 0.0,
+                })
             })
             .collect(),
         None => vec![None],
@@ -117,6 +121,7 @@ fn course(
         robot: None,
         set_down: None,
         faults: fault.into_iter().collect(),
+        second_robot: false,
         record: false,
     };
     let mut witness = Witness {

@@ -443,6 +443,7 @@ mod tests {
             seed: 7,
             sonar: SonarModel::Ideal,
             faults: Vec::new(),
+            second_robot: false,
             turret: TurretMode::Held,
             robot: None,
             set_down: None,

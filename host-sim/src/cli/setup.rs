@@ -51,10 +51,13 @@ pub struct SetupArgs {
     sonar: SonarChoice,
     /// A faulty sonar: dead:N, stuck:N:METERS, scaled:N:SHARE, offset:N:METERS,
     /// jumping:N:PROBABILITY, noisy:N:METERS, delayed:N:FIRINGS, intermittent:N:PROBABILITY,
-    /// crosstalk:N:PROBABILITY or swapped:N:M; may be given several times (see also --set
-    /// fault-detection=off)
+    /// crosstalk:N:PROBABILITY, swapped:N:M or turned:N:DEGREES, with @SECONDS at the end if it
+    /// begins later; may be given several times (see also --set fault-detection=off)
     #[arg(long = "fault", value_name = "KIND:N", value_parser = parsed::<TransducerFault>)]
     faults: Vec<TransducerFault>,
+    /// After exploring, a second robot drives around in the world
+    #[arg(long)]
+    second_robot: bool,
     #[command(flatten)]
     robot: RobotArgs,
     /// Whether the ring keeps its bearing in the world or turns with the heading
@@ -164,6 +167,7 @@ impl SetupArgs {
             robot,
             set_down: None,
             faults: self.faults.clone(),
+            second_robot: self.second_robot,
             record: false,
         })
     }

@@ -134,6 +134,7 @@ fn episode(
         robot: None,
         set_down: None,
         faults: Vec::new(),
+        second_robot: false,
         record: false,
     };
     let report = run_episode(world, &setup, |_, _, _| {})?.report;

@@ -1,8 +1,8 @@
 //! Faults of single transducers.
 //!
-//! A fault changes the reading of one transducer, after the sonar model. Swapped cables change
-//! which transducer fires. The state of a fault is in its entry of [`ActiveFaults`]. Without faults
-//! no random number is drawn.
+//! A fault changes the reading of one transducer, after the sonar model, from some time on. Swapped
+//! cables change which transducer fires, a turned one looks elsewhere. The state of a fault is in
+//! its entry of [`ActiveFaults`]. Without faults no random number is drawn.
 
 use core::fmt;
 use core::str::FromStr;
@@ -36,14 +36,18 @@ pub enum FaultKind {
     Crosstalk(f64),
     /// Its cable and that of this transducer are swapped.
     Swapped(usize),
+    /// It sits so many degrees farther to the left on the body.
+    Turned(f64),
 }
 
 /// Maximum number of firings by which a reading is delayed.
 const MAX_DELAY: usize = 1_000;
+/// Latest begin of a fault, s.
+const MAX_SINCE_S: f64 = 1e6;
 
 impl FaultKind {
     /// The names, in the order of the variants.
-    pub const NAMES: [&'static str; 10] = [
+    pub const NAMES: [&'static str; 11] = [
         "dead",
         "stuck",
         "scaled",
@@ -54,6 +58,7 @@ impl FaultKind {
         "intermittent",
         "crosstalk",
         "swapped",
+        "turned",
     ];
 
     /// Name of the kind.
@@ -70,6 +75,7 @@ impl FaultKind {
             Self::Intermittent(_) => "intermittent",
             Self::Crosstalk(_) => "crosstalk",
             Self::Swapped(_) => "swapped",
+            Self::Turned(_) => "turned",
         }
     }
 
@@ -115,35 +121,45 @@ impl FaultKind {
                 (Some(own), Some(previous)) => Some(own.min(previous)),
                 (own, previous) => own.or(previous),
             },
-            Self::Jumping(_) | Self::Intermittent(_) | Self::Crosstalk(_) | Self::Swapped(_) => {
-                range
-            }
+            Self::Jumping(_)
+            | Self::Intermittent(_)
+            | Self::Crosstalk(_)
+            | Self::Swapped(_)
+            | Self::Turned(_) => range,
         }
     }
 }
 
-/// A fault of one transducer. Text form: `KIND:SENSOR` or `KIND:SENSOR:VALUE`.
+/// A fault of one transducer. Text form: `KIND:SENSOR` or `KIND:SENSOR:VALUE`, with `@SECONDS` at
+/// the end if it begins later.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TransducerFault {
     /// The transducer.
     pub sensor: usize,
     /// Kind of fault.
     pub kind: FaultKind,
+    /// When it begins, simulated seconds from the start.
+    pub since_s: f64,
 }
 
 impl fmt::Display for TransducerFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:{}", self.kind.name(), self.sensor)?;
         match self.kind {
-            FaultKind::Dead => Ok(()),
-            FaultKind::Delayed(value) | FaultKind::Swapped(value) => write!(f, ":{value}"),
+            FaultKind::Dead => {}
+            FaultKind::Delayed(value) | FaultKind::Swapped(value) => write!(f, ":{value}")?,
             FaultKind::Stuck(value)
             | FaultKind::Scaled(value)
             | FaultKind::Offset(value)
             | FaultKind::Jumping(value)
             | FaultKind::Noisy(value)
             | FaultKind::Intermittent(value)
-            | FaultKind::Crosstalk(value) => write!(f, ":{value}"),
+            | FaultKind::Crosstalk(value)
+            | FaultKind::Turned(value) => write!(f, ":{value}")?,
+        }
+        match self.since_s {
+            0.0 => Ok(()),
+            since_s => write!(f, "@{since_s}"),
         }
     }
 }
@@ -152,12 +168,19 @@ impl FromStr for TransducerFault {
     type Err = BadInput;
 
     fn from_str(text: &str) -> Result<Self, BadInput> {
-        let mut parts = text.split(':');
+        let (fault, since) = text
+            .split_once('@')
+            .map_or((text, None), |(fault, since)| (fault, Some(since)));
+        let mut parts = fault.split(':');
         let name = parts.next().unwrap_or_default();
         if !FaultKind::NAMES.contains(&name) {
             return Err(BadInput::unknown("fault", name, &FaultKind::NAMES));
         }
         let error = |why: &str| BadInput::new(format!("fault \"{text}\": {why}"));
+        let since_s = since.map_or(Some(0.0), |since| since.parse().ok());
+        let since_s = since_s
+            .filter(|since_s| (0.0..=MAX_SINCE_S).contains(since_s))
+            .ok_or_else(|| error("after @ come the seconds until it begins, as in dead:3@600"))?;
         let sensor = parts.next().and_then(|sensor| sensor.parse().ok());
         let sensor = sensor
             .filter(|sensor| *sensor < 16)
@@ -192,9 +215,14 @@ impl FromStr for TransducerFault {
                 other if other == sensor => return Err(ends_with("another transducer")),
                 other => FaultKind::Swapped(other),
             },
+            "turned" => FaultKind::Turned(number("an angle in degrees", -180.0, 180.0)?),
             _ => FaultKind::Dead,
         };
-        Ok(Self { sensor, kind })
+        Ok(Self {
+            sensor,
+            kind,
+            since_s,
+        })
     }
 }
 
@@ -204,29 +232,48 @@ pub(super) struct ActiveFaults {
     faults: Vec<(TransducerFault, VecDeque<Option<f64>>)>,
     /// Range of the transducer that fired last.
     previous: Option<f64>,
+    /// Simulated time, s.
+    now_s: f64,
 }
 
 impl ActiveFaults {
     pub(super) fn new(faults: &[TransducerFault]) -> Self {
+        let faults = faults.iter().map(|fault| (*fault, VecDeque::new()));
         Self {
-            faults: faults
-                .iter()
-                .map(|fault| (*fault, VecDeque::new()))
-                .collect(),
-            previous: None,
+            faults: faults.collect(),
+            ..Self::default()
         }
+    }
+
+    /// From now on it is this time, s.
+    pub(super) fn set_time(&mut self, now_s: f64) {
+        self.now_s = now_s;
+    }
+
+    /// The faults that have begun.
+    fn begun(&self) -> impl Iterator<Item = &TransducerFault> {
+        let faults = self.faults.iter().map(|(fault, _)| fault);
+        faults.filter(|fault| self.now_s >= fault.since_s)
     }
 
     /// The transducer that fires and listens when the ring fires `sensor`: swapped cables.
     #[inline]
     pub(super) fn wired_to(&self, sensor: usize) -> usize {
-        self.faults
-            .iter()
-            .fold(sensor, |wired, (fault, _)| match fault.kind {
-                FaultKind::Swapped(other) if wired == fault.sensor => other,
-                FaultKind::Swapped(other) if wired == other => fault.sensor,
-                _ => wired,
-            })
+        self.begun().fold(sensor, |wired, fault| match fault.kind {
+            FaultKind::Swapped(other) if wired == fault.sensor => other,
+            FaultKind::Swapped(other) if wired == other => fault.sensor,
+            _ => wired,
+        })
+    }
+
+    /// How far a transducer sits to the left of where it should, rad; `None` = it does not.
+    #[inline]
+    pub(super) fn turn_of(&self, sensor: usize) -> Option<f64> {
+        let turns = self.begun().filter_map(|fault| match fault.kind {
+            FaultKind::Turned(degrees) if fault.sensor == sensor => Some(degrees.to_radians()),
+            _ => None,
+        });
+        turns.reduce(|sum, turn| sum + turn)
     }
 
     /// The reading of a transducer that without faults would be `range`.
@@ -238,10 +285,11 @@ impl ActiveFaults {
         noise: &mut Noise,
     ) -> Option<f64> {
         let previous = std::mem::replace(&mut self.previous, range);
+        let now_s = self.now_s;
         let own_faults = self
             .faults
             .iter_mut()
-            .filter(|(fault, _)| fault.sensor == sensor);
+            .filter(|(fault, _)| fault.sensor == sensor && now_s >= fault.since_s);
         own_faults.fold(range, |range, (fault, history)| {
             fault.kind.reported(range, previous, history, noise)
         })
@@ -256,7 +304,7 @@ mod tests {
         text.parse().expect(text)
     }
 
-    const ONE_OF_EACH: [&str; 10] = [
+    const ONE_OF_EACH: [&str; 11] = [
         "dead:3",
         "stuck:0:0.5",
         "scaled:15:0.5",
@@ -267,6 +315,7 @@ mod tests {
         "intermittent:6:0.5",
         "crosstalk:8:0.25",
         "swapped:9:1",
+        "turned:10:-30",
     ];
 
     #[test]
@@ -274,7 +323,25 @@ mod tests {
         for (text, name) in ONE_OF_EACH.into_iter().zip(FaultKind::NAMES) {
             assert_eq!(fault(text).to_string(), text);
             assert_eq!(fault(text).kind.name(), name);
+            let later = format!("{text}@12.5");
+            assert_eq!(fault(&later).to_string(), later);
         }
+    }
+
+    #[test]
+    fn a_fault_begins_at_its_time() {
+        let faults = ["dead:3@10", "swapped:4:5@20", "turned:6:90@30"];
+        let mut faults = ActiveFaults::new(&faults.map(fault));
+        let mut noise = Noise::new(1);
+        let mut at = |now_s| {
+            faults.set_time(now_s);
+            let heard = faults.reported(3, Some(1.0), &mut noise);
+            (heard, faults.wired_to(4), faults.turn_of(6).is_some())
+        };
+        assert_eq!(at(9.9), (Some(1.0), 4, false));
+        assert_eq!(at(10.0), (None, 4, false));
+        assert_eq!(at(20.0), (None, 5, false));
+        assert_eq!(at(30.0), (None, 5, true));
     }
 
     #[test]
@@ -293,6 +360,10 @@ mod tests {
         assert!(error("scaled:3:NaN").contains("share"));
         for kind in ["jumping", "intermittent", "crosstalk"] {
             assert!(error(&format!("{kind}:3:2")).contains("probability from 0 to 1"));
+        }
+        assert!(error("turned:3").contains("degrees") && error("turned:3:181").contains("180"));
+        for since in ["", "-1", "NaN", "later", "2e6"] {
+            assert!(error(&format!("dead:3@{since}")).contains("dead:3@600"));
         }
         assert!(error("noisy:3:-0.1").contains("standard deviation"));
         assert!(

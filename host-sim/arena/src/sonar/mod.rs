@@ -196,15 +196,25 @@ impl Ring {
         self.dead
     }
 
-    /// The exact ranges of all transducers at once, m, for any model, changed by the faults.
+    /// The exact ranges of all transducers at once at `time_s`, m, for any model, changed by the
+    /// faults.
     pub fn scan_with_faults(
         &mut self,
         world: &World,
         pose: &Pose,
+        time_s: f64,
         out: &mut [Option<f64>; 16],
         noise: &mut Noise,
     ) {
+        self.faults.set_time(time_s);
         self.scan(world, pose, out);
+        let heading = self.heading_vector(pose.heading);
+        for (sensor, range) in out.iter_mut().enumerate() {
+            let turned = self.faults.turn_of(sensor);
+            if let Some(transducer) = turned.and_then(|_| self.transducer(sensor)) {
+                *range = self.exact_range(world, pose, &transducer, heading);
+            }
+        }
         let exact = *out;
         for (sensor, range) in out.iter_mut().enumerate() {
             let fired = self.faults.wired_to(sensor);
@@ -229,6 +239,17 @@ impl Ring {
             let range = view.nearest_in_cone(transducer.axis.turned(heading), self.cone);
             *out = (range <= reach).then_some(range);
         }
+    }
+
+    /// A transducer as it sits now.
+    fn transducer(&self, sensor: usize) -> Option<Transducer> {
+        let transducer = *self.transducers.get(sensor)?;
+        let turn = self.faults.turn_of(sensor).map(Point::unit);
+        Some(turn.map_or(transducer, |turn| Transducer {
+            face: transducer.face.turned(turn),
+            axis: transducer.axis.turned(turn),
+            ..transducer
+        }))
     }
 
     fn exact_range(
@@ -265,6 +286,7 @@ impl Ring {
         time_s: f64,
         noise: &mut Noise,
     ) -> Option<f64> {
+        self.faults.set_time(time_s);
         let fired = self.faults.wired_to(sensor);
         let reading = self.reading(world, pose, fired, time_s, noise);
         self.faults.reported(sensor, reading, noise)
@@ -279,7 +301,7 @@ impl Ring {
         time_s: f64,
         noise: &mut Noise,
     ) -> Option<f64> {
-        let transducer = *self.transducers.get(sensor)?;
+        let transducer = self.transducer(sensor)?;
         let heading = self.heading_vector(pose.heading);
         match transducer.light {
             _ if self.model == SonarModel::Ideal => {

@@ -191,6 +191,7 @@ fn trained_controller(rules: &RunConditions, seed: u64) -> Result<LocalControlle
         robot: None,
         set_down: None,
         faults: Vec::new(),
+        second_robot: false,
         record: false,
     };
     let mut mind = LocalController::new(setup.config.clone());

@@ -219,6 +219,7 @@ impl MeasuredSite<'_> {
             robot: None,
             set_down: Some(self.world.start().position),
             faults: Vec::new(),
+            second_robot: false,
             record: false,
         };
         let mut observer = ObservedDriver::new(LocalController::new(config), self.conditions.timed);

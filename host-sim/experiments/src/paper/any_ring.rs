@@ -225,6 +225,7 @@ mod tests {
             robot: None,
             set_down: None,
             faults: Vec::new(),
+            second_robot: false,
             record: false,
         };
         let mut mind = LocalController::new(config);

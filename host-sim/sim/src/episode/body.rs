@@ -155,8 +155,9 @@ impl<'w> Body<'w> {
         let pose = self.base.pose();
         self.time_s += RING_PERIOD_S;
         let world = world_with_leader(&self.world, self.leader.as_ref());
+        let (ranges, noise) = (&mut self.ranges_m, &mut self.noise);
         self.ring
-            .scan_with_faults(world, &pose, &mut self.ranges_m, &mut self.noise);
+            .scan_with_faults(world, &pose, self.time_s, ranges, noise);
         let mut result = StepResult::new(pose, self.time_s);
         let echoes: [_; 16] =
             std::array::from_fn(|sensor| AgedEcho::now(sensor as u8, self.range(sensor)));

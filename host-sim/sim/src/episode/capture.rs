@@ -202,6 +202,7 @@ mod tests {
                 robot: None,
                 set_down: None,
                 faults: Vec::new(),
+                second_robot: false,
                 record: true,
             };
             let episode = run(&world, &setup, |_, _, _| {}).expect("an episode");

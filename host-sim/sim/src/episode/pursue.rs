@@ -57,7 +57,7 @@ impl EpisodeRunner<'_> {
                 None => self.body.set_down_elsewhere(nest),
             }
         }
-        if behavior.has_leader() {
+        if setup.second_robot || behavior.has_leader() {
             self.body.add_leader();
         }
         self.measure_from(nest);

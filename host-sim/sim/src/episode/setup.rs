@@ -26,6 +26,8 @@ pub struct Setup {
     pub sonar: SonarModel,
     /// Faulty transducers.
     pub faults: Vec<TransducerFault>,
+    /// A second robot drives around in the world, whatever the behavior is.
+    pub second_robot: bool,
     /// What the ring does while the base steers.
     pub turret: TurretMode,
     /// The robot, if it is not the Nomad; it then has its own sensors and no turret.

@@ -23,6 +23,7 @@ fn start(sonar: SonarModel) -> SimulatorStart {
             robot: None,
             set_down: None,
             faults: Vec::new(),
+            second_robot: false,
             record: true,
         },
         whole: config,

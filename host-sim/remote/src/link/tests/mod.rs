@@ -38,6 +38,7 @@ fn setup(sonar: SonarModel, moves: u16, steps: u32) -> Setup {
         robot: None,
         set_down: None,
         faults: Vec::new(),
+        second_robot: false,
         record: true,
     }
 }

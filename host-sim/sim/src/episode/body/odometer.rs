@@ -16,6 +16,10 @@ pub(super) struct Odometer {
     heading: f64,
     /// The heading, rounded.
     bearing: Bearing,
+    /// Sum of all reported turns, from the start's heading.
+    reported: Bearing,
+    /// Sum of all turns that it did not measure, rad.
+    drift_rad: f64,
     /// Unit vector along the bearing.
     axis: Point,
 }
@@ -29,6 +33,8 @@ impl Odometer {
             unmoved_at: None,
             heading: start.heading,
             bearing,
+            reported: bearing,
+            drift_rad: 0.0,
             axis: Point::unit(angle(bearing)),
         }
     }
@@ -51,14 +57,20 @@ impl Odometer {
         moved
     }
 
+    /// The ring has turned by this angle, rad, without its being measured.
+    pub(super) fn drifted(&mut self, angle: f64) {
+        self.drift_rad += angle;
+    }
+
     /// Turn of the ring since the last report.
     pub(super) fn turned(&mut self, heading: f64) -> Bearing {
-        let before = self.bearing;
+        let before = self.reported;
         if heading.to_bits() != self.heading.to_bits() {
             self.heading = heading;
             self.set_bearing(bearing(heading));
+            self.reported = bearing(heading - self.drift_rad);
         }
-        self.bearing.minus(before)
+        self.reported.minus(before)
     }
 
     fn set_bearing(&mut self, bearing: Bearing) {

@@ -129,8 +129,9 @@ impl<'w> Body<'w> {
     ) -> Option<Motion> {
         let world = super::world_with_leader(&self.world, self.leader.as_ref());
         let pose = self.base.pose();
+        let (ranges, noise) = (&mut self.ranges_m, &mut self.noise);
         self.ring
-            .scan_with_faults(world, &pose, &mut self.ranges_m, &mut self.noise);
+            .scan_with_faults(world, &pose, self.time_s, ranges, noise);
         let sensors = robot.model().sensors.len().min(self.ranges_m.len());
         let echoes = (0..sensors).map(|sensor| AgedEcho::now(sensor as u8, self.range(sensor)));
         let echoes: Vec<_> = echoes.collect();
@@ -173,12 +174,13 @@ impl<'w> Body<'w> {
                 self.begin(motion);
             }
         }
-        result.moved = Some(self.roll_for(pilot, slot_s));
+        result.moved = Some(self.roll_for(pilot, slot_s, robot.model().heading_drift));
         result
     }
 
-    /// The base moves on for this time, and reports.
-    fn roll_for(&mut self, pilot: &mut impl Pilot, time_s: f64) -> Moved {
+    /// The base moves on for this time, and reports. Meanwhile it turns a little that it does not
+    /// measure: `drift`, rad/√m.
+    fn roll_for(&mut self, pilot: &mut impl Pilot, time_s: f64, drift: f64) -> Moved {
         let reports = (time_s / REPORT_S).ceil().max(1.0);
         let from = self.base.pose().position;
         let mut whole = Executed::none();
@@ -186,6 +188,11 @@ impl<'w> Body<'w> {
             let world = super::world_with_leader(&self.world, self.leader.as_ref());
             let done = self.base.advance(time_s / reports, world);
             self.time_s += time_s / reports;
+            if drift > 0.0 && done.traveled_m > 0.0 {
+                let angle = self.noise.normal() * drift * done.traveled_m.sqrt();
+                self.base.drift(angle);
+                self.odometer.drifted(angle);
+            }
             let _ = self.report(pilot, from, &done);
             whole.touched |= done.touched;
             whole.traveled_m += done.traveled_m;
