@@ -18,11 +18,14 @@ use micromath::F32Ext;
 
 mod babble;
 mod costs;
+mod fit;
 mod front;
 mod full_turn;
 mod solver;
 
 pub use babble::{Babble, BabbleLimits};
+use fit::Fits;
+pub use fit::KnownBearings;
 use full_turn::FullTurn;
 pub use solver::{LearnedBody, Solver};
 
@@ -110,6 +113,7 @@ pub struct Calibration<const BEAMS: usize> {
     /// Of each sensor: mean of its readings, and mean deviation from that in sixteenths.
     means: [Option<(i32, i32)>; BEAMS],
     full_turn: FullTurn,
+    fits: Fits<BEAMS>,
     heading: Bearing,
     /// Turn since the present place began, 1/65 536 turn.
     turned: i32,
@@ -137,6 +141,7 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
             slopes: Vec::new(),
             means: [None; BEAMS],
             full_turn: FullTurn::NEW,
+            fits: Fits::NEW,
             heading: Bearing::ZERO,
             turned: 0,
             way: (0, 0),
@@ -155,6 +160,7 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
         self.slopes.clear();
         self.means = [None; BEAMS];
         self.full_turn = FullTurn::NEW;
+        self.fits = Fits::NEW;
         self.heading = Bearing::ZERO;
         self.way = (0, 0);
         (self.turned, self.traveled_mm, self.away_mm) = (0, 0, 0);
@@ -193,8 +199,14 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
         Displacement::saturating(x >> shift, y >> shift).bearing()
     }
 
-    /// A sensor was heard, less than `BEAMS`; `None` = no echo.
-    pub fn hear(&mut self, sensor: usize, range: Option<Range>) {
+    /// A sensor was heard, less than `BEAMS`; `None` = no echo. Of sensors of which it is `known`
+    /// where they look, it is noted whether they do.
+    pub fn hear(
+        &mut self,
+        sensor: usize,
+        range: Option<Range>,
+        known: Option<&KnownBearings<BEAMS>>,
+    ) {
         if sensor >= BEAMS {
             return;
         }
@@ -204,8 +216,36 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
             value: logarithm(range),
         };
         self.note_spread(sensor, seen.value.into());
-        self.compare(seen);
+        self.compare(seen, known);
         self.note_slope(sensor, range);
+    }
+
+    /// The used sensor that looks elsewhere than is known, or tells something else than others
+    /// that see the same, if there is one; the worst first.
+    #[must_use]
+    pub fn misfit(&self, used: Mask) -> Option<usize> {
+        self.fits.worst(used)
+    }
+
+    /// Forgets what is known of a sensor: it was moved, or has failed.
+    pub fn forget(&mut self, sensor: usize) {
+        for (before, row) in self.dissimilarity.iter_mut().enumerate() {
+            for (after, bins) in row.iter_mut().enumerate() {
+                if before == sensor || after == sensor {
+                    *bins = [Dissimilarity::NONE; HALF_BINS];
+                }
+            }
+        }
+        self.slopes
+            .retain(|slope| usize::from(slope.sensor) != sensor);
+        if let (Some(latest), Some(mean)) =
+            (self.latest.get_mut(sensor), self.means.get_mut(sensor))
+        {
+            (*latest, *mean) = (None, None);
+        }
+        self.readings
+            .retain(|reading| usize::from(reading.sensor) != sensor);
+        self.fits.forget(sensor);
     }
 
     fn note_spread(&mut self, sensor: usize, value: i32) {
@@ -221,8 +261,15 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
     }
 
     /// Compares a reading with those of other sensors at this place, and keeps it.
-    fn compare(&mut self, seen: Reading) {
+    fn compare(&mut self, seen: Reading, known: Option<&KnownBearings<BEAMS>>) {
+        let view = known.map(|known| known.same_view(&seen));
         for before in &self.readings {
+            if let Some(is_same) = view.as_ref().and_then(|view| view.has(before)) {
+                if is_same {
+                    self.fits.compare(before, &seen);
+                }
+                continue;
+            }
             let turned = seen.turned.saturating_sub(before.turned);
             let difference = seen.value.abs_diff(before.value);
             if before.sensor == seen.sensor {

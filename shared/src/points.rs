@@ -3,16 +3,21 @@
 //!
 //! Each echo leaves a point on its beam's axis, in the odometry's frame. A ring of sectors, evenly
 //! spaced and with the bearings it had at the start, is read off the points however few sensors
-//! there are and wherever they look. A point goes when it was seen too long ago, by distance
-//! traveled, or when newer echoes from beyond it contradict it.
+//! there are and wherever they look. Something may stand anywhere in the cone of the beam that
+//! heard it: a point moves aside when newer echoes come from beyond it. It goes when that leaves
+//! no place for it, or when it was seen too long ago, by distance traveled.
 //!
 //! Nothing here depends on the maps, the planner or the time.
 
 use crate::disc::{direction_of, until_contact};
 use crate::fixed::Mask;
-use crate::units::{Bearing, Direction, Displacement, Range};
+use crate::units::{Bearing, Displacement, Range};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
+
+mod arc;
+
+use arc::{Arc, FreeBeam};
 
 /// How long points last and what they tell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -21,10 +26,13 @@ pub struct PointLimits {
     pub face_radius_mm: u16,
     /// Points seen longer ago than this travel are dropped, millimeters; below 65 536.
     pub keep_mm: u16,
-    /// Contradictions after which a point is dropped.
-    pub contradictions: u8,
-    /// A beam contradicts a point if it hears something farther than that by this, millimeters.
-    pub beyond_mm: u16,
+    /// Half the opening of a sensor's cone.
+    pub half_cone: Bearing,
+    /// A beam shows its cone free as far as its echo less this, millimeters.
+    pub short_of_echo_mm: u16,
+    /// A point beside a beam that looks along a sector's axis tells that sector's range only where
+    /// it is nearer by more than this, millimeters.
+    pub nearer_mm: u16,
     /// A point counts as seen from here if it was seen within this distance, millimeters.
     pub here_mm: u16,
     /// A point nearer to the body than this tells its sector's range wherever it was seen from,
@@ -41,8 +49,9 @@ impl PointLimits {
     pub const NOMAD: Self = Self {
         face_radius_mm: 231,
         keep_mm: 6_000,
-        contradictions: 4,
-        beyond_mm: 300,
+        half_cone: Bearing::from_turns((65_536 * 25 / 720) as u16),
+        short_of_echo_mm: 30,
+        nearer_mm: 300,
         here_mm: 300,
         near_mm: 1_000,
         replan_within_mm: 1_200,
@@ -72,7 +81,8 @@ struct Point {
     seen_from: Displacement,
     /// Travel at the echo, millimeters; wraps.
     traveled_mm: u16,
-    contradictions: u8,
+    /// Where in the beam's cone it may be.
+    arc: Arc,
     /// Something is there; otherwise this is how far a sensor saw free space.
     is_echo: bool,
 }
@@ -150,29 +160,25 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         self.heading = self.heading.plus(turned);
     }
 
-    /// Takes a reading: drops the points that it contradicts often enough and keeps its own. A
-    /// sensor that hears nothing tells nothing: an echo may have gone astray on a smooth wall.
+    /// Takes a reading: no point is where its beam went free, and its echo is a new one. A sensor
+    /// that hears nothing tells nothing: an echo may have gone astray on a smooth wall.
     pub fn hear(&mut self, limits: &PointLimits, beam: &Beam) {
         let axis = self.heading.plus(beam.axis).direction();
         let face = beam.mount.rotated(self.heading.direction());
         let range_mm = i32::from(beam.range.as_mm());
-        let beyond_mm = if beam.is_echo {
-            limits.beyond_mm.into()
+        let echo_mm = if beam.is_echo {
+            limits.short_of_echo_mm.into()
         } else {
             0
         };
         let free = FreeBeam {
             face,
             axis,
-            length_mm: range_mm - beyond_mm,
+            half_cone: limits.half_cone.direction(),
+            length_mm: range_mm - echo_mm,
         };
-        for point in &mut self.points {
-            if free.passes(point.at) {
-                point.contradictions = point.contradictions.saturating_add(1);
-            }
-        }
         self.points
-            .retain(|point| point.contradictions < limits.contradictions);
+            .retain_mut(|point| point.arc.carve(point.at, &free));
         // Points stand in the order heard.
         if self.points.is_full() {
             self.points.remove(0);
@@ -183,7 +189,11 @@ impl<const POINTS: usize> PointMemory<POINTS> {
             at: face.plus(Displacement::saturating(x_mm, y_mm)),
             seen_from: Displacement::ZERO,
             traveled_mm: self.traveled_mm,
-            contradictions: 0,
+            arc: if beam.is_echo {
+                Arc::new(axis, range_mm, limits.half_cone)
+            } else {
+                Arc::AXIS
+            },
             is_echo: beam.is_echo,
         });
     }
@@ -196,7 +206,7 @@ impl<const POINTS: usize> PointMemory<POINTS> {
     /// Far points seen from elsewhere count only in sectors without others. But a
     /// point lies on its beam's axis, and what returned the echo may lie anywhere in the beam's
     /// cone. So if a beam looks along the axis from here, the others only count where they are
-    /// nearer by more than [`beyond_mm`](PointLimits::beyond_mm).
+    /// nearer by more than [`nearer_mm`](PointLimits::nearer_mm).
     #[must_use]
     pub fn ring<const SECTORS: usize>(
         &self,
@@ -207,14 +217,15 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         let mut along_axis = [None; SECTORS];
         let mut known = Mask::NONE;
         for point in &self.points {
-            let [own, other] = sectors_at::<SECTORS>(point.at.bearing());
+            let place = point.place();
+            let [own, other] = sectors_at::<SECTORS>(place.bearing());
             if !point.is_echo {
                 if point.is_from_here(limits) {
                     known = with_views(known, [own, other]);
                 }
                 continue;
             }
-            let square = point.at.squared_mm2();
+            let square = place.squared_mm2();
             let squares = if point.tells(limits) {
                 &mut nearest
             } else {
@@ -237,7 +248,7 @@ impl<const POINTS: usize> PointMemory<POINTS> {
                 continue;
             };
             let along_axis = along_axis.map(from_face);
-            let fitting = along_axis.filter(|mm| mm.saturating_sub(nearest) <= limits.beyond_mm);
+            let fitting = along_axis.filter(|mm| mm.saturating_sub(nearest) <= limits.nearer_mm);
             *range = Some(Range::from_mm(fitting.unwrap_or(nearest)));
             known = known.with(sector);
         }
@@ -264,7 +275,8 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         let direction = direction_of(way, length.into());
         let things = self.points.iter().filter(|point| point.is_echo);
         let free = things.fold(i32::from(length), |free, point| {
-            let (x, y) = (point.at.dx_mm.into(), point.at.dy_mm.into());
+            let place = point.place();
+            let (x, y) = (place.dx_mm.into(), place.dy_mm.into());
             until_contact(direction.components(x, y), radius_mm.into(), free)
         });
         free as u16
@@ -272,6 +284,11 @@ impl<const POINTS: usize> PointMemory<POINTS> {
 }
 
 impl Point {
+    /// Where it is most likely.
+    fn place(&self) -> Displacement {
+        self.at.plus(self.arc.aside())
+    }
+
     fn is_from_here(&self, limits: &PointLimits) -> bool {
         let here_mm = u32::from(limits.here_mm) + 1;
         self.seen_from.is_shorter_than(here_mm)
@@ -283,25 +300,6 @@ impl Point {
         self.is_from_here(limits)
             || (self.at.is_shorter_than(near_mm)
                 && self.at.minus(self.seen_from).is_shorter_than(near_mm))
-    }
-}
-
-/// The part of a beam that is known to be free.
-struct FreeBeam {
-    face: Displacement,
-    axis: Direction,
-    length_mm: i32,
-}
-
-impl FreeBeam {
-    /// Whether it passes a point, within 7° of its axis.
-    fn passes(&self, point: Displacement) -> bool {
-        const TAN_7_Q14: i32 = 2_012;
-        let offset = point.minus(self.face);
-        let (x, y) = (i32::from(offset.dx_mm), i32::from(offset.dy_mm));
-        let (along, aside) = self.axis.components(x, y);
-        let aside = aside.wrapping_abs();
-        along > 0 && along < self.length_mm && aside < (along.wrapping_mul(TAN_7_Q14) >> 14)
     }
 }
 

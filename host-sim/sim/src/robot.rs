@@ -289,6 +289,11 @@ impl AnyRobot {
         }
     }
 
+    /// Half the opening of a sensor's cone, rad.
+    fn half_cone_rad(&self) -> f64 {
+        self.sensing(SonarModel::Ideal).half_angle_rad
+    }
+
     /// How far a sensor sees free space when nothing answers: not at all for sonars.
     fn silence_mm(&self) -> Option<u16> {
         let sensors = &self.model.sensors;
@@ -319,6 +324,7 @@ fn on_nomad(model: RobotModel) -> RobotModel {
         max_turn_rad_s: NOMAD_TURN_RAD_S,
         period_s: RING_PERIOD_S,
         wheel_slip: nomad.slip,
+        heading_drift: 0.0,
         sensors: sensors.collect(),
         ..model
     }

@@ -173,6 +173,7 @@ mod tests {
             robot: Some(robot),
             set_down: None,
             faults: Vec::new(),
+            second_robot: false,
             record: false,
         }
     }
@@ -186,6 +187,27 @@ mod tests {
         });
         let mean = errors.sum::<f64>() / 12.0;
         assert!(mean < 4.7, "{mean}");
+    }
+
+    /// A sensor is turned aside, or fails, while the robot drives: it notices, drives on without it
+    /// and finds where it looks now.
+    #[test]
+    fn a_sensor_that_is_moved_while_driving_is_found_again() {
+        let worst_deg = |seed, fault: &str| {
+            let robot = scrambled("epuck2");
+            let setup = Setup {
+                faults: vec![fault.parse().expect("a fault")],
+                ..setup(robot, SonarModel::Ideal, 700, seed)
+            };
+            let episode = run(&World::random(seed), &setup, |_, _, _| {}).expect("it drives");
+            episode.bearing_errors_deg.expect("learned")[1]
+        };
+        let found = (300..308).filter(|seed| {
+            (80.0..100.0).contains(&worst_deg(*seed, "turned:0:90@500"))
+                && worst_deg(*seed, "dead:0@500") < 15.0
+        });
+        let found = found.count();
+        assert!(found >= 7, "{found} of 8");
     }
 
     /// At its first decision a P3-DX has not seen four of sixteen sectors: the nest is what it saw.

@@ -12,6 +12,9 @@ use crate::fixed::Mask;
 use crate::turret::{self, BodySpec, VirtualTurret};
 use crate::units::Millis;
 
+/// Moves until a sensor that was moved is looked for.
+const MOVES_TO_FIND: u8 = 60;
+
 /// A body with at most `BEAMS` sensors. The controller sees a ring of `SECTORS`, read off at most
 /// `POINTS` points of echoes. `Event::Echo` counts the sensors; displacements are in the body's
 /// frame, x ahead. Until it is told of its sensors it is a ring on a held turret.
@@ -32,6 +35,8 @@ pub struct MountedSensors<const SECTORS: usize, const BEAMS: usize, const POINTS
     learns_actuation: bool,
     /// It was told to calibrate, and has not learned maps since.
     listens: bool,
+    /// Moves since a sensor was heard of which it is not known where it looks.
+    moves_unknown: u8,
 }
 
 impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
@@ -48,6 +53,7 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
             solver: Solver::new(),
             learns_actuation: false,
             listens: false,
+            moves_unknown: 0,
         }
     }
 
@@ -169,15 +175,59 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
         Some(has_sensors)
     }
 
-    /// What the random moves for the maps tell of the sensors.
+    /// What all moves tell of the sensors.
     fn listen(&mut self, config: &Config<SECTORS>, event: &Event<SECTORS>) {
         match *event {
-            Event::Echo { sensor, range } => {
+            Event::Echo { sensor, range } if self.listens => {
                 let limits = self.babble_limits(config);
                 let _ = self.babble.hear(&limits, sensor.into(), range, true);
             }
+            Event::Echo { sensor, range } if self.told.enabled.contains(sensor.into()) => {
+                let bearings = self.known.bearings();
+                let known = self.known.known_bearings(&bearings);
+                self.babble.watch(sensor.into(), range, &known);
+            }
             Event::Odometry { moved, turned, .. } => self.babble.moved(moved, turned),
-            Event::Command(_) | Event::Tick | Event::Alarm(_) | Event::Touched => {}
+            _ => {}
+        }
+    }
+
+    /// A sensor that no longer fits is not used until it has been found where it looks now.
+    fn check_sensors(&mut self) {
+        let calibration = self.babble.calibration();
+        if let Some(sensor) = calibration.misfit(self.known.enabled) {
+            self.known.enabled = self.known.enabled.without(sensor);
+            self.babble.forget(sensor);
+            self.moves_unknown = 0;
+        }
+        let unused = self.told.enabled.and(self.known.enabled.complement());
+        let heard = self.babble.calibration().alive().and(unused);
+        if heard == Mask::NONE || self.solver.is_busy() {
+            self.moves_unknown = 0;
+            return;
+        }
+        self.moves_unknown += 1;
+        if self.moves_unknown >= MOVES_TO_FIND {
+            self.moves_unknown = 0;
+            let bearings = self.known.bearings();
+            let known = self.known.known_bearings(&bearings);
+            self.solver.begin_with(self.babble.calibration(), &known);
+        }
+    }
+
+    /// A step of the solution for sensors that are not known while the body drives.
+    fn find_moved(&mut self) {
+        if let Some(found) = self.solver.advance(self.babble.calibration()) {
+            let found = self.told.with(&found);
+            for sensor in found.enabled.indices(BEAMS) {
+                if !self.known.enabled.contains(sensor)
+                    && let Some(mount) = self.known.mounts.get_mut(sensor)
+                    && let Some(place) = found.mounts.get(sensor)
+                {
+                    *mount = *place;
+                    self.known.enabled = self.known.enabled.with(sensor);
+                }
+            }
         }
     }
 }
@@ -227,10 +277,15 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize> Body<SECTORS
             }
             _ => {}
         }
-        if self.listens {
-            self.listen(config, &event);
+        if self.solver.is_busy() && event == Event::Tick {
+            self.find_moved();
         }
+        self.listen(config, &event);
+        let was_moving = state.is_moving();
         let outputs = turret::handle(config, &self.known, &mut self.turret, state, at, event);
+        if was_moving && !state.is_moving() && !self.listens {
+            self.check_sensors();
+        }
         let learns = matches!(event, Event::Command(Command::Learn));
         if self.listens && learns && outputs.refusal.is_none() {
             self.begin_to_solve();

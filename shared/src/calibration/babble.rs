@@ -1,6 +1,6 @@
 //! Random moves of a body that does not know where its sensors look.
 
-use super::Calibration;
+use super::{Calibration, KnownBearings};
 use crate::fixed::Mask;
 use crate::units::{Bearing, Displacement, Range};
 use rand_core::{Rng, SeedableRng};
@@ -75,6 +75,16 @@ impl<const BEAMS: usize> Babble<BEAMS> {
         &self.calibration
     }
 
+    /// A sensor of a body that makes other moves was heard.
+    pub fn watch(&mut self, sensor: usize, range: Option<Range>, known: &KnownBearings<BEAMS>) {
+        self.calibration.hear(sensor, range, Some(known));
+    }
+
+    /// Forgets what is known of a sensor.
+    pub fn forget(&mut self, sensor: usize) {
+        self.calibration.forget(sensor);
+    }
+
     /// Moves still to make.
     #[must_use]
     pub const fn moves_left(&self) -> u16 {
@@ -114,7 +124,7 @@ impl<const BEAMS: usize> Babble<BEAMS> {
         if !limits.enabled.contains(sensor) {
             return None;
         }
-        self.calibration.hear(sensor, range);
+        self.calibration.hear(sensor, range, None);
         *self.ranges.get_mut(sensor)? = range;
         self.fresh = self.fresh.with(sensor);
         if is_moving || self.moves_left == 0 || !self.has_heard_all(limits) {

@@ -3,7 +3,7 @@
 
 use super::costs::{Costs, Means};
 use super::front::Front;
-use super::{BINS, Calibration};
+use super::{BINS, Calibration, KnownBearings};
 use crate::actuation::{Actuation, ONE_Q12};
 use crate::fixed::Mask;
 use crate::units::Bearing;
@@ -61,6 +61,8 @@ pub struct Solver<const BEAMS: usize> {
     /// True turn of what the base takes for 4 096.
     turn_q12: u16,
     means: Means<BEAMS>,
+    /// Sensors that keep the bearing that is known; of all others it is found.
+    fixed: Mask,
     /// Solutions grown so far.
     starts: u8,
     bearings: [Option<Bearing>; BEAMS],
@@ -83,6 +85,7 @@ impl<const BEAMS: usize> Solver<BEAMS> {
             alive: Mask::NONE,
             turn_q12: 0,
             means: [[0; BEAMS]; BEAMS],
+            fixed: Mask::NONE,
             starts: 0,
             bearings: [None; BEAMS],
             best: (0, [None; BEAMS]),
@@ -99,9 +102,21 @@ impl<const BEAMS: usize> Solver<BEAMS> {
         } else {
             ONE_Q12
         };
+        self.fixed = Mask::NONE;
         self.starts = 0;
         self.best = (i32::MAX, [None; BEAMS]);
         self.step = Step::Means { sensor: 0 };
+    }
+
+    /// Begins anew, for the sensors alone whose bearing is not known.
+    pub fn begin_with(&mut self, calibration: &Calibration<BEAMS>, known: &KnownBearings<BEAMS>) {
+        self.begin(calibration, false);
+        self.turn_q12 = known.turn_q12;
+        self.bearings = *known.bearings;
+        let sensors = known.bearings.iter().enumerate();
+        self.fixed = sensors
+            .filter(|(_, bearing)| bearing.is_some())
+            .fold(Mask::NONE, |mask, (sensor, _)| mask.with(sensor));
     }
 
     /// Ends it before it is over.
@@ -129,8 +144,10 @@ impl<const BEAMS: usize> Solver<BEAMS> {
                 if let Some(means) = self.means.get_mut(usize::from(sensor)) {
                     *means = calibration.means_of(sensor.into());
                     self.step = Step::Means { sensor: sensor + 1 };
-                } else {
+                } else if self.fixed == Mask::NONE {
                     self.step = self.next_start();
+                } else {
+                    self.step = GROW;
                 }
             }
             Step::Grow { sensor, surest } => {
@@ -161,6 +178,11 @@ impl<const BEAMS: usize> Solver<BEAMS> {
                 is_better,
             } => {
                 self.step = match self.next_of(sensor, |bearing| bearing.is_some()) {
+                    Some(sensor) if self.fixed.contains(sensor.into()) => Step::Sweep {
+                        sensor: sensor + 1,
+                        round,
+                        is_better,
+                    },
                     Some(sensor) => {
                         let (_, near) = costs.best(&self.bearings, sensor.into(), all());
                         let (_, bearing) = costs.best(&self.bearings, sensor.into(), around(near));
@@ -183,6 +205,13 @@ impl<const BEAMS: usize> Solver<BEAMS> {
                 });
                 if cost < self.best.0 {
                     self.best = (cost, self.bearings);
+                }
+                if self.fixed != Mask::NONE {
+                    self.step = Step::Idle;
+                    return Some(LearnedBody {
+                        bearings: self.bearings,
+                        actuation: Actuation::EXACT,
+                    });
                 }
                 self.step = self.next_start();
             }

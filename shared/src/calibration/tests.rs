@@ -228,7 +228,7 @@ fn averages_keep_their_bits_and_forget() {
 
 #[test]
 fn what_is_learned_of_sixteen_sensors_takes_12_kilobytes() {
-    assert!(size_of::<Calibration<16>>() <= 12_100);
+    assert!(size_of::<Calibration<16>>() <= 12_200);
 }
 
 #[test]
@@ -254,4 +254,101 @@ fn a_solution_takes_so_many_steps() {
             .unwrap_or(0);
     assert!((200..=600).contains(&steps), "{steps}");
     assert!(!solver.is_busy());
+}
+
+/// Sensor 3 looks elsewhere by `turned` degrees, sensor 5 hears nothing if it `is_dead`. The body
+/// spins at six places; if it `knows` where its sensors looked it thinks that all is as ever.
+fn spin(calibration: &mut Calibration<8>, turned: f64, is_dead: bool, knows: bool) {
+    let bearings = BEARINGS.map(|degrees| Some(of_degrees(degrees)));
+    let known = KnownBearings {
+        bearings: &bearings,
+        turn_q12: 4_096,
+    };
+    for place in 0..6 {
+        for step in 0..72 {
+            for (sensor, degrees) in BEARINGS.into_iter().enumerate() {
+                let off = if sensor == 3 { turned } else { 0.0 };
+                let angle = (f64::from(step) * 5.0 + degrees + off).to_radians();
+                let mm = range_mm(0.1 * f64::from(place) - 0.2, 0.0, angle);
+                let is_heard = sensor != 5 || !is_dead;
+                let range = is_heard.then(|| Range::from_mm(mm as u16));
+                calibration.hear(sensor, range, knows.then_some(&known));
+            }
+            calibration.moved(Displacement::ZERO, of_degrees(5.0));
+        }
+        calibration.moved(
+            Displacement {
+                dx_mm: 100,
+                dy_mm: 0,
+            },
+            Bearing::ZERO,
+        );
+    }
+}
+
+#[test]
+fn a_sensor_that_tells_something_else_than_others_that_see_the_same_is_noticed() {
+    let misfit = |turned, is_dead| {
+        let mut calibration = Calibration::new();
+        spin(&mut calibration, turned, is_dead, true);
+        calibration.misfit(Mask::from_bits(0xFF))
+    };
+    assert_eq!(misfit(0.0, false), None);
+    assert_eq!(misfit(4.0, false), None, "as little as it is known");
+    assert_eq!(misfit(60.0, false), Some(3));
+    assert_eq!(misfit(-150.0, false), Some(3));
+    assert_eq!(misfit(0.0, true), Some(5));
+    let mut calibration = Calibration::new();
+    spin(&mut calibration, 60.0, false, true);
+    assert_eq!(calibration.misfit(Mask::from_bits(0xF7)), None, "not used");
+}
+
+#[test]
+fn what_is_forgotten_of_one_sensor_is_known_of_the_others() {
+    let mut calibration = Calibration::new();
+    for knows in [true, false] {
+        spin(&mut calibration, 60.0, false, knows);
+    }
+    calibration.forget(3);
+    assert_eq!(calibration.misfit(Mask::from_bits(0xFF)), None);
+    assert_eq!(calibration.alive(), Mask::from_bits(0xF7));
+    let known = |[before, after]: [usize; 2]| {
+        let bins = calibration.dissimilarity[before][after];
+        bins.iter().any(|cell| cell.mean().is_some())
+    };
+    assert_eq!([[3, 0], [0, 3], [0, 1]].map(known), [false, false, true]);
+    let mut readings = calibration.readings.iter();
+    assert!(readings.all(|reading| reading.sensor != 3));
+}
+
+/// The others are where they are known to be, and tell where sensor 3 is now.
+#[test]
+fn a_sensor_that_was_moved_is_found_by_the_others() {
+    let bearings = BEARINGS.map(|degrees| Some(of_degrees(degrees)));
+    let mut unknown = bearings;
+    unknown[3] = None;
+    let mut calibration = Calibration::new();
+    spin(&mut calibration, 60.0, false, false);
+    let known = KnownBearings {
+        bearings: &unknown,
+        turn_q12: 4_096,
+    };
+    let mut solver = Solver::new();
+    solver.begin_with(&calibration, &known);
+    let found = core::iter::repeat_with(|| solver.advance(&calibration)).find_map(|found| found);
+    let found = found.expect("it ends").bearings;
+    let off = found[3]
+        .expect("alive")
+        .minus(of_degrees(BEARINGS[3] + 60.0));
+    assert!(off.as_signed_turns().abs() < 546, "{off:?}");
+    let others = (0..8).filter(|sensor| *sensor != 3);
+    assert!(
+        others
+            .into_iter()
+            .all(|sensor| found[sensor] == bearings[sensor])
+    );
+}
+
+fn of_degrees(degrees: f64) -> Bearing {
+    Bearing::from_turns((degrees / 360.0 * 65_536.0) as i32 as u16)
 }

@@ -40,10 +40,15 @@ fn ranges(memory: &PointMemory<64>) -> [Option<u16>; 16] {
         .map(|range| range.map(Range::as_mm))
 }
 
-/// Range in a square room of half side 2 m around the center, from a face of 230 mm.
+/// Nearest within a cone of 25° in a square room of half side 2 m around the center, from a face of
+/// 230 mm.
 fn square_room_mm(angle: f64) -> f64 {
-    let (sin, cos) = (libm::sin(angle.to_radians()), libm::cos(angle.to_radians()));
-    2_000.0 / sin.abs().max(cos.abs()) - 230.0
+    let along = |angle: f64| {
+        let (sin, cos) = (libm::sin(angle.to_radians()), libm::cos(angle.to_radians()));
+        2_000.0 / sin.abs().max(cos.abs()) - 230.0
+    };
+    let cone = (-25..=25).map(|half_degrees| along(angle + f64::from(half_degrees) / 2.0));
+    cone.fold(f64::INFINITY, f64::min)
 }
 
 #[test]
@@ -58,10 +63,8 @@ fn one_beam_that_turns_around_fills_the_ring() {
     let (ring, known) = memory.ring::<16>(&LIMITS);
     assert!(known.covers(16));
     for (sector, range) in ring.into_iter().enumerate() {
-        // A beam looked along the axis; in the corners another is nearer by more than 300 mm.
-        let is_corner = sector % 4 == 2;
-        let beside = if is_corner { 7.5 } else { 0.0 };
-        let exact = square_room_mm(22.5 * sector as f64 + beside);
+        // A beam looked along the axis.
+        let exact = square_room_mm(22.5 * sector as f64);
         let found = f64::from(range.expect("known").as_mm());
         assert!((found - exact).abs() < 8.0, "{sector}: {found} for {exact}");
     }
@@ -84,18 +87,18 @@ fn a_point_keeps_its_place_as_the_robot_turns_and_moves() {
 
 #[test]
 fn far_points_from_elsewhere_tell_only_what_is_not_seen_from_here() {
-    let mut memory = heard(&[(0.0, 3_000), (90.0, 500)]);
+    let mut memory = heard(&[(0.0, 3_000), (80.0, 500)]);
     memory.moved(&LIMITS, way(0, -300), Bearing::ZERO);
     let found = |memory: &PointMemory<64>| (ranges(memory)[0], ranges(memory)[4]);
-    assert_eq!(found(&memory), (Some(3_013), Some(800)));
+    assert_eq!(found(&memory), (Some(3_013), Some(796)));
     memory.moved(&LIMITS, way(0, -10), Bearing::ZERO);
-    assert_eq!(found(&memory), (Some(3_014), Some(810)));
+    assert_eq!(found(&memory), (Some(3_014), Some(806)));
     // Both sectors are heard from here: the far point no longer counts, the near one does.
     memory.hear(&LIMITS, &beam(0.0, 4_000));
-    memory.hear(&LIMITS, &beam(90.0, 1_500));
-    assert_eq!(found(&memory), (Some(4_000), Some(810)));
+    memory.hear(&LIMITS, &beam(100.0, 1_500));
+    assert_eq!(found(&memory), (Some(4_000), Some(806)));
     memory.moved(&LIMITS, way(0, -200), Bearing::ZERO);
-    assert_eq!(found(&memory), (Some(4_004), Some(1_700)));
+    assert_eq!(found(&memory), (Some(4_004), Some(1_697)));
 }
 
 #[test]
@@ -111,20 +114,39 @@ fn points_last_for_six_meters_of_travel() {
 }
 
 #[test]
-fn a_point_goes_when_four_beams_hear_something_beyond_it() {
-    let beams = |angle, range_mm, times| {
+fn a_point_goes_when_a_beam_went_free_through_its_whole_arc() {
+    let after = |angle, range_mm| {
         let mut memory = heard(&[(0.0, 1_000)]);
-        for _ in 0..times {
-            memory.hear(&LIMITS, &beam(angle, range_mm));
-        }
-        ranges(&memory)[0].filter(|mm| *mm < 1_200)
+        memory.hear(&LIMITS, &beam(angle, range_mm));
+        memory.len()
     };
-    assert_eq!(beams(0.0, 2_000, 3), Some(1_000));
-    assert_eq!(beams(0.0, 2_000, 4), None);
-    assert_eq!(beams(5.0, 2_000, 4), None);
-    assert_eq!(beams(10.0, 2_000, 9), Some(1_000), "beside the beam");
-    assert_eq!(beams(0.0, 1_290, 9), Some(1_000), "not clearly beyond");
-    assert_eq!(beams(180.0, 2_000, 9), Some(1_000), "the other way");
+    assert_eq!(after(0.0, 2_000), 1);
+    assert_eq!(after(1.0, 2_000), 1);
+    assert_eq!(after(5.0, 2_000), 2, "a part of it is left");
+    assert_eq!(after(0.0, 1_030), 2, "not clearly beyond");
+    assert_eq!(after(0.0, 1_040), 1);
+    assert_eq!(after(180.0, 2_000), 2, "the other way");
+}
+
+#[test]
+fn a_point_moves_to_the_part_of_its_arc_that_is_left() {
+    let mut memory = heard(&[(0.0, 1_000)]);
+    let place = |memory: &PointMemory<64>| memory.points[0].place();
+    assert_eq!(place(&memory), way(1_230, 0));
+    // A beam from 2.5° to the right on: the axis and what is left of it are free.
+    memory.hear(&LIMITS, &beam(10.0, 2_000));
+    assert_eq!(place(&memory), way(1_230, -88));
+    memory.hear(&LIMITS, &beam(4.0, 2_000));
+    assert_eq!(place(&memory), way(1_230, -176));
+    memory.hear(&LIMITS, &beam(-10.0, 2_000));
+    assert_eq!(place(&memory), beam_end(10.0, 2_000));
+    assert_eq!(memory.len(), 3, "nothing was left of it");
+}
+
+/// Where the echo of a beam lies.
+fn beam_end(angle: f64, range_mm: i32) -> Displacement {
+    let axis = degrees(angle);
+    Displacement::along(axis, 230).plus(Displacement::along(axis, range_mm))
 }
 
 #[test]
@@ -184,9 +206,7 @@ fn free_space_is_no_thing_and_contradicts_what_lies_before_its_end() {
         ..beam(0.0, 1_000)
     };
     let mut memory = heard(&[(0.0, 900)]);
-    for _ in 0..4 {
-        memory.hear(&LIMITS, &free);
-    }
+    memory.hear(&LIMITS, &free);
     let is_known = |memory: &PointMemory<64>| memory.ring::<16>(&LIMITS).1.contains(0);
     assert_eq!((ranges(&memory)[0], is_known(&memory)), (None, true));
     assert_eq!(memory.free_mm(way(2_000, 0), 300), 2_000);

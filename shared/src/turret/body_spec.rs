@@ -1,7 +1,7 @@
 //! A robot's body: where its sensors stand, how long what they tell counts, and what its base does.
 
 use crate::actuation::Actuation;
-use crate::calibration::LearnedBody;
+use crate::calibration::{KnownBearings, LearnedBody};
 #[cfg(feature = "store")]
 use crate::config::MAX_CONFIG;
 use crate::fixed::Mask;
@@ -62,8 +62,9 @@ impl<const BEAMS: usize> BodySpec<BEAMS> {
         points: PointLimits {
             face_radius_mm: 0,
             keep_mm: 0,
-            contradictions: 0,
-            beyond_mm: 0,
+            half_cone: Bearing::ZERO,
+            short_of_echo_mm: 0,
+            nearer_mm: 0,
             here_mm: 0,
             near_mm: 0,
             replan_within_mm: 0,
@@ -95,6 +96,27 @@ impl<const BEAMS: usize> BodySpec<BEAMS> {
             }
         }
         body
+    }
+
+    /// Where the sensors look that are used, from the body's front.
+    #[must_use]
+    pub fn bearings(&self) -> [Option<Bearing>; BEAMS] {
+        core::array::from_fn(|sensor| {
+            let mount = self.mounts.get(sensor);
+            let used = mount.filter(|_| self.enabled.contains(sensor));
+            used.map(|mount| mount.axis)
+        })
+    }
+
+    /// What is known of the sensors, with [`bearings`](Self::bearings).
+    pub(crate) const fn known_bearings<'a>(
+        &self,
+        bearings: &'a [Option<Bearing>; BEAMS],
+    ) -> KnownBearings<'a, BEAMS> {
+        KnownBearings {
+            bearings,
+            turn_q12: self.actuation.turn_q12,
+        }
     }
 
     /// As bytes in postcard's form.

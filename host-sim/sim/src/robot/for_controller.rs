@@ -35,12 +35,13 @@ impl AnyRobot {
             points: PointLimits {
                 face_radius_mm: self.scaled_mm(nomad.face_radius_mm),
                 keep_mm: self.scaled_way_mm(nomad.keep_mm),
-                beyond_mm: self.scaled_way_mm(nomad.beyond_mm),
+                half_cone: bearing(self.half_cone_rad()),
+                short_of_echo_mm: self.scaled_way_mm(nomad.short_of_echo_mm),
+                nearer_mm: self.scaled_way_mm(nomad.nearer_mm),
                 here_mm: self.scaled_way_mm(nomad.here_mm),
                 near_mm: self.scaled_way_mm(nomad.near_mm),
                 replan_within_mm: self.scaled_way_mm(nomad.replan_within_mm),
                 replan_nearer_mm: self.scaled_way_mm(nomad.replan_nearer_mm),
-                ..nomad
             },
             silence_mm: self.silence_mm(),
             first_looks: if self.turns() { FIRST_LOOKS } else { 0 },

@@ -115,13 +115,13 @@ fn print_body(counts: &body::BodyCounts) {
     row(
         "body: echo at rest, with 256 points",
         counts.events.echo,
-        14_750,
+        48_400,
     );
-    row("body: echo on the way", counts.events.on_the_way, 69_080);
+    row("body: echo on the way", counts.events.on_the_way, 119_600);
     row(
         "body: **decision** (last echo of the ring): avoid",
         counts.decision,
-        119_600,
+        158_100,
     );
     row("body: report of the base", counts.events.odometry, 8_030);
     row(

@@ -1,0 +1,128 @@
+//! Whether the sensors still look where they are known to look: when two look at the same thing,
+//! one before and one after a turn, they read the same.
+
+use super::Reading;
+use crate::actuation::ONE_Q12;
+use crate::fixed::Mask;
+use crate::units::Bearing;
+
+/// Sensors look at the same thing within this angle: 3°.
+const SAME_THING: u16 = (65_536_u32 * 3 / 360) as u16;
+/// The average takes one part of so many of a new dissimilarity.
+const PART: u16 = 32;
+/// Comparisons after which a sensor is judged.
+const ENOUGH: u8 = 64;
+/// The average is clearly greater than another one if it is more than twice that and this.
+const CLEARLY: u16 = 100;
+/// A dissimilarity counts as at most this: half of a logarithm.
+const MOST: u16 = 512;
+
+/// Where the sensors are known to look, and what the base takes for a turn.
+#[derive(Debug, Clone, Copy)]
+pub struct KnownBearings<'a, const BEAMS: usize> {
+    /// From the body's front; `None` = not known.
+    pub bearings: &'a [Option<Bearing>; BEAMS],
+    /// True turn of what the base takes for 4 096.
+    pub turn_q12: u16,
+}
+
+impl<const BEAMS: usize> KnownBearings<'_, BEAMS> {
+    /// The turns at which each sensor looks where one looks now; `None` where it is not known.
+    pub(super) fn same_view(&self, seen: &Reading) -> SameView<BEAMS> {
+        let own = self.bearings.get(usize::from(seen.sensor));
+        let own = own.copied().flatten();
+        SameView {
+            turns: self.bearings.map(|bearing| {
+                let ahead = own?.minus(bearing?);
+                Some(true_turn(seen, self.turn_q12).plus(ahead))
+            }),
+            turn_q12: self.turn_q12,
+        }
+    }
+}
+
+/// Turn since the place began, as it was; the base tells it.
+fn true_turn(reading: &Reading, turn_q12: u16) -> Bearing {
+    let told = i32::from(reading.turned) << 6;
+    Bearing::from_turns((told.wrapping_mul(turn_q12.into()) / i32::from(ONE_Q12)) as u16)
+}
+
+/// Who looked at a thing when.
+pub(super) struct SameView<const BEAMS: usize> {
+    turns: [Option<Bearing>; BEAMS],
+    turn_q12: u16,
+}
+
+impl<const BEAMS: usize> SameView<BEAMS> {
+    /// Whether an earlier reading is of the same thing; `None` where that is not known.
+    pub(super) fn has(&self, before: &Reading) -> Option<bool> {
+        let turn = self.turns.get(usize::from(before.sensor)).copied()??;
+        let off = true_turn(before, self.turn_q12).minus(turn);
+        Some(off.as_signed_turns().unsigned_abs() <= SAME_THING)
+    }
+}
+
+/// How dissimilar the readings of one sensor and others are that see the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Fit {
+    /// Average dissimilarity times [`PART`], 1 024 = 1.
+    sum: u16,
+    /// Comparisons so far, at most [`ENOUGH`].
+    compared: u8,
+}
+
+impl Fit {
+    pub(super) const NEW: Self = Self {
+        sum: 0,
+        compared: 0,
+    };
+
+    fn learn(&mut self, difference: u16) {
+        self.sum = self.sum - self.sum / PART + difference.min(MOST);
+        self.compared = (self.compared + 1).min(ENOUGH);
+    }
+
+    /// The average, once there are enough.
+    fn average(self) -> Option<u16> {
+        (self.compared >= ENOUGH).then_some(self.sum / PART)
+    }
+}
+
+/// How well each sensor fits.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Fits<const BEAMS: usize>([Fit; BEAMS]);
+
+impl<const BEAMS: usize> Fits<BEAMS> {
+    pub(super) const NEW: Self = Self([Fit::NEW; BEAMS]);
+
+    /// Two sensors have read the same thing.
+    pub(super) fn compare(&mut self, before: &Reading, seen: &Reading) {
+        if before.sensor != seen.sensor {
+            let difference = seen.value.abs_diff(before.value);
+            for sensor in [before.sensor, seen.sensor] {
+                if let Some(fit) = self.0.get_mut(usize::from(sensor)) {
+                    fit.learn(difference);
+                }
+            }
+        }
+    }
+
+    pub(super) fn forget(&mut self, sensor: usize) {
+        if let Some(fit) = self.0.get_mut(sensor) {
+            *fit = Fit::NEW;
+        }
+    }
+
+    /// The used sensor that fits worst, if it clearly fits worse than half of them.
+    pub(super) fn worst(&self, used: Mask) -> Option<usize> {
+        let judged = || {
+            let sensors = self.0.iter().enumerate();
+            let used = sensors.filter(move |(sensor, _)| used.contains(*sensor));
+            used.filter_map(|(sensor, fit)| Some((fit.average()?, sensor)))
+        };
+        let (worst, sensor) = judged().max()?;
+        let is_worse = |average: u16| worst > average.saturating_mul(2).saturating_add(CLEARLY);
+        let better = judged().filter(|(average, _)| is_worse(*average)).count();
+        (2 * better >= judged().count()).then_some(sensor)
+    }
+}

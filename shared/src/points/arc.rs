@@ -1,0 +1,104 @@
+//! Carving by cones: an echo tells how far something is, not where in the beam's cone. Later beams
+//! show parts of that arc free, until the place that is left is known or nothing is left.
+
+use crate::units::{Bearing, Direction, Displacement};
+
+/// Steps of an arc are kept in units of so many millimeters: 256 points have to fit.
+const UNIT_MM: i32 = 4;
+/// The places of an arc in steps from the beam's axis: the likeliest first.
+const PLACES: [i8; 5] = [0, 1, -1, 2, -2];
+/// All places are free.
+const ALL_FREE: u8 = (1 << PLACES.len()) - 1;
+
+/// Five places across four fifths of a beam's cone, at the range of its echo.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Arc {
+    /// From one place to the next on its left, in units.
+    step: (i8, i8),
+    /// Places that beams have shown free, the likeliest in the lowest bit.
+    free: u8,
+}
+
+impl Arc {
+    /// The axis alone.
+    pub(super) const AXIS: Self = Self {
+        step: (0, 0),
+        free: 0,
+    };
+
+    /// The arc of an echo at `range_mm` on `axis`.
+    pub(super) fn new(axis: Direction, range_mm: i32, half_cone: Bearing) -> Self {
+        let edge = half_cone.direction().times(range_mm).1;
+        let (x, y) = axis.times(edge * 2 / 5);
+        let units = |mm: i32| {
+            let units = crate::units::div_round(mm, UNIT_MM);
+            units.clamp(-i32::from(i8::MAX), i8::MAX.into()) as i8
+        };
+        Self {
+            step: (units(-y), units(x)),
+            free: 0,
+        }
+    }
+
+    /// From the axis to the likeliest place that is left.
+    pub(super) fn aside(self) -> Displacement {
+        let place = PLACES.get(self.free.trailing_ones() as usize);
+        place.map_or(Displacement::ZERO, |place| self.at(*place))
+    }
+
+    fn at(self, place: i8) -> Displacement {
+        let mm = |step: i8| i32::from(step) * i32::from(place) * UNIT_MM;
+        Displacement::saturating(mm(self.step.0), mm(self.step.1))
+    }
+
+    /// Takes the places away that a beam has shown free; `axis` is where the arc's axis is, from
+    /// the robot. Returns whether any place is left.
+    pub(super) fn carve(&mut self, axis: Displacement, beam: &FreeBeam) -> bool {
+        let offset = axis.minus(beam.face);
+        let (along, aside) = beam.components(offset.dx_mm.into(), offset.dy_mm.into());
+        let (x, y) = (i32::from(self.step.0), i32::from(self.step.1));
+        let reach = 2 * UNIT_MM * (x.abs() + y.abs());
+        // Half of all points are behind the sensor.
+        if along + reach <= 0 {
+            return true;
+        }
+        let (step_along, step_aside) = beam.components(x * UNIT_MM, y * UNIT_MM);
+        // Most points are not before the echo, or beside the cone: so are all their places.
+        let (last_along, last_aside) = (2 * step_along.abs(), 2 * step_aside.abs());
+        let nearest = (along + last_along, aside.abs() - last_aside);
+        if along - last_along < beam.length_mm && beam.is_in_cone(nearest) {
+            for (bit, place) in PLACES.into_iter().enumerate() {
+                let place = i32::from(place);
+                let along = along + place * step_along;
+                let aside = (aside + place * step_aside).abs();
+                if along < beam.length_mm && beam.is_in_cone((along, aside)) {
+                    self.free |= 1 << bit;
+                }
+            }
+        }
+        self.free != ALL_FREE
+    }
+}
+
+/// The part of a beam's cone that is known to be free.
+pub(super) struct FreeBeam {
+    /// Where the sensor stands, from the robot's center.
+    pub(super) face: Displacement,
+    pub(super) axis: Direction,
+    /// Half the opening of the cone.
+    pub(super) half_cone: Direction,
+    pub(super) length_mm: i32,
+}
+
+impl FreeBeam {
+    /// Along the beam and to the left of it.
+    fn components(&self, x_mm: i32, y_mm: i32) -> (i32, i32) {
+        self.axis.components(x_mm, y_mm)
+    }
+
+    /// Whether a place is within the cone's opening, by its distances along the axis and aside of
+    /// it.
+    fn is_in_cone(&self, (along, aside): (i32, i32)) -> bool {
+        self.half_cone.components(along, aside).1 < 0
+    }
+}
