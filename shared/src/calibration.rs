@@ -186,6 +186,7 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
     /// From now on the body is at another place.
     fn begin_place(&mut self) {
         self.readings.clear();
+        self.fits.begin_place();
         (self.away_mm, self.turned) = (0, 0);
     }
 

@@ -138,10 +138,12 @@ impl InspectableController for TurretController {
 
 #[cfg(test)]
 mod tests {
+    use super::TurretController;
     use crate::behavior::Behavior;
-    use crate::episode::{Episode, Setup, run};
+    use crate::episode::{Episode, Setup, run, run_with};
     use crate::robot::{AnyRobot, Miswiring, Origin, Ranges};
     use amp::config::Config;
+    use amp::fixed::Mask;
     use arena::loaders::rooms;
     use arena::robot::TurretMode;
     use arena::robot_model::RobotModel;
@@ -208,6 +210,27 @@ mod tests {
         });
         let found = found.count();
         assert!(found >= 7, "{found} of 8");
+    }
+
+    #[test]
+    fn a_sensor_in_order_is_not_taken_for_a_moved_one() {
+        let robots = ["p3dx", "p3at", "epuck2", "thymio2", "khepera", "turtlebot3"];
+        for (name, ranges) in robots
+            .into_iter()
+            .flat_map(|name| [(name, Ranges::Own), (name, Ranges::Nomad)])
+        {
+            let model = RobotModel::builtin(name).expect("built in");
+            let robot = AnyRobot::new(model, ranges, false).expect("it fits");
+            for seed in 300..304 {
+                let setup = setup(robot.clone(), SonarModel::Nomad, 500, seed);
+                let mut controller = TurretController::new(setup.config.clone(), &robot);
+                let world = World::random(seed);
+                run_with(&world, &setup, &mut controller, |_, _, _| {}).expect("it drives");
+                let unused = controller.known_body().enabled.complement();
+                let unused = unused.and(robot.body().enabled);
+                assert_eq!(unused, Mask::NONE, "{} in room {seed}", robot.label());
+            }
+        }
     }
 
     /// At its first decision a P3-DX has not seen four of sixteen sectors: the nest is what it saw.

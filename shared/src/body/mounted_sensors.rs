@@ -182,9 +182,12 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
                 let limits = self.babble_limits(config);
                 let _ = self.babble.hear(&limits, sensor.into(), range, true);
             }
+            // One that does not see far is silent nearly everywhere: that tells nothing of it.
+            Event::Echo { range: None, .. } if self.told.silence_mm.is_some() => {}
             Event::Echo { sensor, range } if self.told.enabled.contains(sensor.into()) => {
                 let bearings = self.known.bearings();
                 let known = self.known.known_bearings(&bearings);
+                let range = range.map(|range| self.known.from_ring(sensor.into(), range));
                 self.babble.watch(sensor.into(), range, &known);
             }
             Event::Odometry { moved, turned, .. } => self.babble.moved(moved, turned),

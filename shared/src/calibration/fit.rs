@@ -12,6 +12,8 @@ const SAME_THING: u16 = (65_536_u32 * 3 / 360) as u16;
 const PART: u16 = 32;
 /// Comparisons after which a sensor is judged.
 const ENOUGH: u8 = 64;
+/// Of one place a sensor learns from so many: there is more to see in other places.
+const PER_PLACE: u8 = 4;
 /// The average is clearly greater than another one if it is more than twice that and this.
 const CLEARLY: u16 = 100;
 /// A dissimilarity counts as at most this: half of a logarithm.
@@ -69,15 +71,22 @@ pub(super) struct Fit {
     sum: u16,
     /// Comparisons so far, at most [`ENOUGH`].
     compared: u8,
+    /// Of them at this place, at most [`PER_PLACE`].
+    here: u8,
 }
 
 impl Fit {
     pub(super) const NEW: Self = Self {
         sum: 0,
         compared: 0,
+        here: 0,
     };
 
     fn learn(&mut self, difference: u16) {
+        if self.here >= PER_PLACE {
+            return;
+        }
+        self.here += 1;
         self.sum = self.sum - self.sum / PART + difference.min(MOST);
         self.compared = (self.compared + 1).min(ENOUGH);
     }
@@ -104,6 +113,13 @@ impl<const BEAMS: usize> Fits<BEAMS> {
                     fit.learn(difference);
                 }
             }
+        }
+    }
+
+    /// From now on the body is at another place.
+    pub(super) fn begin_place(&mut self) {
+        for fit in &mut self.0 {
+            fit.here = 0;
         }
     }
 

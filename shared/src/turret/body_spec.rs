@@ -6,7 +6,7 @@ use crate::calibration::{KnownBearings, LearnedBody};
 use crate::config::MAX_CONFIG;
 use crate::fixed::Mask;
 use crate::points::PointLimits;
-use crate::units::{Bearing, Displacement};
+use crate::units::{Bearing, Displacement, Range};
 use serde::{Deserialize, Serialize};
 
 /// Where a sensor stands on the body and looks.
@@ -106,6 +106,18 @@ impl<const BEAMS: usize> BodySpec<BEAMS> {
             let used = mount.filter(|_| self.enabled.contains(sensor));
             used.map(|mount| mount.axis)
         })
+    }
+
+    /// A sensor's range as one would read it that stands where the ring's ranges begin and looks
+    /// the same way. It is at least 0.
+    pub(crate) fn from_ring(&self, sensor: usize, range: Range) -> Range {
+        let Some(Mount { position, axis }) = self.mounts.get(sensor) else {
+            return range;
+        };
+        let (x, y) = (position.dx_mm.into(), position.dy_mm.into());
+        let face_mm = axis.direction().along(x, y);
+        let mm = i32::from(range.as_mm()) + face_mm - i32::from(self.points.face_radius_mm);
+        Range::from_mm(mm.clamp(0, u16::MAX.into()) as u16)
     }
 
     /// What is known of the sensors, with [`bearings`](Self::bearings).
