@@ -187,7 +187,7 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
             Event::Echo { sensor, range } if self.told.enabled.contains(sensor.into()) => {
                 let bearings = self.known.bearings();
                 let known = self.known.known_bearings(&bearings);
-                let range = range.map(|range| self.known.from_ring(sensor.into(), range));
+                let range = range.map(|range| self.known.as_on_ring(sensor.into(), range));
                 self.babble.watch(sensor.into(), range, &known);
             }
             Event::Odometry { moved, turned, .. } => self.babble.moved(moved, turned),

@@ -110,7 +110,7 @@ impl<const BEAMS: usize> BodySpec<BEAMS> {
 
     /// A sensor's range as one would read it that stands where the ring's ranges begin and looks
     /// the same way. It is at least 0.
-    pub(crate) fn from_ring(&self, sensor: usize, range: Range) -> Range {
+    pub(crate) fn as_on_ring(&self, sensor: usize, range: Range) -> Range {
         let Some(Mount { position, axis }) = self.mounts.get(sensor) else {
             return range;
         };
