@@ -63,7 +63,8 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
         self.known.clone_from(body);
         self.turret.restart();
         self.solver.stop();
-        self.listens = false;
+        self.babble.begin(0, 0);
+        (self.listens, self.moves_unknown) = (false, 0);
     }
 
     /// The body as it is known.
@@ -166,8 +167,13 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
     /// A step of the solution. With the last one it knows whether sensors were found; without any
     /// the body stays as it was known.
     fn solve(&mut self) -> Option<bool> {
+        let seeks_some = self.solver.seeks_some();
         let found = self.solver.advance(self.babble.calibration())?;
-        let body = self.told.with(&found);
+        let body = if seeks_some {
+            self.known.clone().with_more(&found.bearings)
+        } else {
+            self.told.with(&found)
+        };
         let has_sensors = body.enabled != Mask::NONE;
         if has_sensors {
             self.known = body;
@@ -185,13 +191,16 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
             // One that does not see far is silent nearly everywhere: that tells nothing of it.
             Event::Echo { range: None, .. } if self.told.silence_mm.is_some() => {}
             Event::Echo { sensor, range } if self.told.enabled.contains(sensor.into()) => {
-                let bearings = self.known.bearings();
-                let known = self.known.known_bearings(&bearings);
+                let known = self.known.known_bearings();
                 let range = range.map(|range| self.known.as_on_ring(sensor.into(), range));
                 self.babble.watch(sensor.into(), range, &known);
             }
             Event::Odometry { moved, turned, .. } => self.babble.moved(moved, turned),
-            _ => {}
+            Event::Echo { .. }
+            | Event::Command(_)
+            | Event::Tick
+            | Event::Alarm(_)
+            | Event::Touched => {}
         }
     }
 
@@ -212,25 +221,8 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
         self.moves_unknown += 1;
         if self.moves_unknown >= MOVES_TO_FIND {
             self.moves_unknown = 0;
-            let bearings = self.known.bearings();
-            let known = self.known.known_bearings(&bearings);
+            let known = self.known.known_bearings();
             self.solver.begin_with(self.babble.calibration(), &known);
-        }
-    }
-
-    /// A step of the solution for sensors that are not known while the body drives.
-    fn find_moved(&mut self) {
-        if let Some(found) = self.solver.advance(self.babble.calibration()) {
-            let found = self.told.with(&found);
-            for sensor in found.enabled.indices(BEAMS) {
-                if !self.known.enabled.contains(sensor)
-                    && let Some(mount) = self.known.mounts.get_mut(sensor)
-                    && let Some(place) = found.mounts.get(sensor)
-                {
-                    *mount = *place;
-                    self.known.enabled = self.known.enabled.with(sensor);
-                }
-            }
         }
     }
 }
@@ -280,8 +272,8 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize> Body<SECTORS
             }
             _ => {}
         }
-        if self.solver.is_busy() && event == Event::Tick {
-            self.find_moved();
+        if event == Event::Tick {
+            self.solve();
         }
         self.listen(config, &event);
         let was_moving = state.is_moving();

@@ -21,14 +21,14 @@ const MOST: u16 = 512;
 
 /// Where the sensors are known to look, and what the base takes for a turn.
 #[derive(Debug, Clone, Copy)]
-pub struct KnownBearings<'a, const BEAMS: usize> {
+pub struct KnownBearings<const BEAMS: usize> {
     /// From the body's front; `None` = not known.
-    pub bearings: &'a [Option<Bearing>; BEAMS],
+    pub bearings: [Option<Bearing>; BEAMS],
     /// True turn of what the base takes for 4 096.
     pub turn_q12: u16,
 }
 
-impl<const BEAMS: usize> KnownBearings<'_, BEAMS> {
+impl<const BEAMS: usize> KnownBearings<BEAMS> {
     /// The turns at which each sensor looks where one looks now; `None` where it is not known.
     pub(super) fn same_view(&self, seen: &Reading) -> SameView<BEAMS> {
         let own = self.bearings.get(usize::from(seen.sensor));

@@ -108,15 +108,21 @@ impl<const BEAMS: usize> Solver<BEAMS> {
         self.step = Step::Means { sensor: 0 };
     }
 
-    /// Begins anew, for the sensors alone whose bearing is not known.
+    /// Begins anew, for the sensors alone whose bearing is not known; nothing else is learned.
     pub fn begin_with(&mut self, calibration: &Calibration<BEAMS>, known: &KnownBearings<BEAMS>) {
         self.begin(calibration, false);
         self.turn_q12 = known.turn_q12;
-        self.bearings = *known.bearings;
+        self.bearings = known.bearings;
         let sensors = known.bearings.iter().enumerate();
         self.fixed = sensors
             .filter(|(_, bearing)| bearing.is_some())
             .fold(Mask::NONE, |mask, (sensor, _)| mask.with(sensor));
+    }
+
+    /// Whether it seeks some sensors, where others look being known.
+    #[must_use]
+    pub fn seeks_some(&self) -> bool {
+        self.fixed != Mask::NONE
     }
 
     /// Ends it before it is over.
@@ -144,10 +150,10 @@ impl<const BEAMS: usize> Solver<BEAMS> {
                 if let Some(means) = self.means.get_mut(usize::from(sensor)) {
                     *means = calibration.means_of(sensor.into());
                     self.step = Step::Means { sensor: sensor + 1 };
-                } else if self.fixed == Mask::NONE {
-                    self.step = self.next_start();
-                } else {
+                } else if self.seeks_some() {
                     self.step = GROW;
+                } else {
+                    self.step = self.next_start();
                 }
             }
             Step::Grow { sensor, surest } => {
@@ -206,12 +212,9 @@ impl<const BEAMS: usize> Solver<BEAMS> {
                 if cost < self.best.0 {
                     self.best = (cost, self.bearings);
                 }
-                if self.fixed != Mask::NONE {
+                if self.seeks_some() {
                     self.step = Step::Idle;
-                    return Some(LearnedBody {
-                        bearings: self.bearings,
-                        actuation: Actuation::EXACT,
-                    });
+                    return Some(self.found_of_some());
                 }
                 self.step = self.next_start();
             }
@@ -263,6 +266,20 @@ impl<const BEAMS: usize> Solver<BEAMS> {
     fn place(&mut self, sensor: u8, bearing: Bearing) -> bool {
         let own = self.bearings.get_mut(usize::from(sensor));
         own.is_some_and(|own| own.replace(bearing) != Some(bearing))
+    }
+
+    /// The bearings that were not known.
+    fn found_of_some(&self) -> LearnedBody<BEAMS> {
+        let mut bearings = self.bearings;
+        for sensor in self.fixed.indices(BEAMS) {
+            if let Some(bearing) = bearings.get_mut(sensor) {
+                *bearing = None;
+            }
+        }
+        LearnedBody {
+            bearings,
+            actuation: Actuation::EXACT,
+        }
     }
 
     fn learned(&self, calibration: &Calibration<BEAMS>, front: Front) -> LearnedBody<BEAMS> {

@@ -55,14 +55,16 @@ impl Arc {
     /// the robot. Returns whether any place is left.
     pub(super) fn carve(&mut self, axis: Displacement, beam: &FreeBeam) -> bool {
         let offset = axis.minus(beam.face);
-        let (along, aside) = beam.components(offset.dx_mm.into(), offset.dy_mm.into());
+        let (along, aside) = beam
+            .axis
+            .components(offset.dx_mm.into(), offset.dy_mm.into());
         let (x, y) = (i32::from(self.step.0), i32::from(self.step.1));
         let reach = 2 * UNIT_MM * (x.abs() + y.abs());
         // Half of all points are behind the sensor.
         if along + reach <= 0 {
             return true;
         }
-        let (step_along, step_aside) = beam.components(x * UNIT_MM, y * UNIT_MM);
+        let (step_along, step_aside) = beam.axis.components(x * UNIT_MM, y * UNIT_MM);
         // Most points are not before the echo, or beside the cone: so are all their places.
         let (last_along, last_aside) = (2 * step_along.abs(), 2 * step_aside.abs());
         let nearest = (along + last_along, aside.abs() - last_aside);
@@ -91,11 +93,6 @@ pub(super) struct FreeBeam {
 }
 
 impl FreeBeam {
-    /// Along the beam and to the left of it.
-    fn components(&self, x_mm: i32, y_mm: i32) -> (i32, i32) {
-        self.axis.components(x_mm, y_mm)
-    }
-
     /// Whether a place is within the cone's opening, by its distances along the axis and aside of
     /// it.
     fn is_in_cone(&self, (along, aside): (i32, i32)) -> bool {

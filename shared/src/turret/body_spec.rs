@@ -81,31 +81,40 @@ impl<const BEAMS: usize> BodySpec<BEAMS> {
     /// used.
     #[must_use]
     pub fn with(&self, found: &LearnedBody<BEAMS>) -> Self {
-        let mut body = Self {
+        let nothing = Self {
             actuation: found.actuation,
             enabled: Mask::NONE,
             ..self.clone()
         };
-        let face_mm = body.points.face_radius_mm.into();
-        let mounts = body.mounts.iter_mut().zip(&found.bearings);
+        nothing.with_more(&found.bearings)
+    }
+
+    /// The same body with more sensors, where they were found to look.
+    #[must_use]
+    pub fn with_more(mut self, bearings: &[Option<Bearing>; BEAMS]) -> Self {
+        let face_mm = self.points.face_radius_mm.into();
+        let mounts = self.mounts.iter_mut().zip(bearings);
         for (sensor, (mount, bearing)) in mounts.enumerate() {
             if let Some(axis) = *bearing {
                 let position = Displacement::along(axis, face_mm);
                 *mount = Mount { position, axis };
-                body.enabled = body.enabled.with(sensor);
+                self.enabled = self.enabled.with(sensor);
             }
         }
-        body
+        self
     }
 
-    /// Where the sensors look that are used, from the body's front.
+    /// Where the sensors look that are used.
     #[must_use]
-    pub fn bearings(&self) -> [Option<Bearing>; BEAMS] {
-        core::array::from_fn(|sensor| {
-            let mount = self.mounts.get(sensor);
-            let used = mount.filter(|_| self.enabled.contains(sensor));
-            used.map(|mount| mount.axis)
-        })
+    pub fn known_bearings(&self) -> KnownBearings<BEAMS> {
+        KnownBearings {
+            bearings: core::array::from_fn(|sensor| {
+                let mount = self.mounts.get(sensor);
+                let used = mount.filter(|_| self.enabled.contains(sensor));
+                used.map(|mount| mount.axis)
+            }),
+            turn_q12: self.actuation.turn_q12,
+        }
     }
 
     /// A sensor's range as one would read it that stands where the ring's ranges begin and looks
@@ -118,17 +127,6 @@ impl<const BEAMS: usize> BodySpec<BEAMS> {
         let face_mm = axis.direction().along(x, y);
         let mm = i32::from(range.as_mm()) + face_mm - i32::from(self.points.face_radius_mm);
         Range::from_mm(mm.clamp(0, u16::MAX.into()) as u16)
-    }
-
-    /// What is known of the sensors, with [`bearings`](Self::bearings).
-    pub(crate) const fn known_bearings<'a>(
-        &self,
-        bearings: &'a [Option<Bearing>; BEAMS],
-    ) -> KnownBearings<'a, BEAMS> {
-        KnownBearings {
-            bearings,
-            turn_q12: self.actuation.turn_q12,
-        }
     }
 
     /// As bytes in postcard's form.

@@ -114,9 +114,7 @@ where
 impl<const BEAMS: usize> BodySpec<BEAMS> {
     /// Where the sensors look that are used, from the body's front.
     fn axes(&self) -> impl Iterator<Item = Bearing> {
-        let sensors = self.mounts.iter().enumerate();
-        let used = sensors.filter(|(sensor, _)| self.enabled.contains(*sensor));
-        used.map(|(_, mount)| mount.axis)
+        self.known_bearings().bearings.into_iter().flatten()
     }
 
     /// Whether a sensor looks in this direction from the body's front.
