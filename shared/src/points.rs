@@ -3,9 +3,9 @@
 //!
 //! Each echo leaves a point on its beam's axis, in the odometry's frame. A ring of sectors, evenly
 //! spaced and with the bearings it had at the start, is read off the points however few sensors
-//! there are and wherever they look. Something may stand anywhere in the cone of the beam that
-//! heard it: a point moves aside when newer echoes come from beyond it. It goes when that leaves
-//! no place for it, or when it was seen too long ago, by distance traveled.
+//! there are and wherever they look. What returned an echo may stand anywhere in its beam's cone:
+//! a point goes when newer echoes came from beyond all of that, or when it was seen too long ago,
+//! by distance traveled.
 //!
 //! Nothing here depends on the maps, the planner or the time.
 
@@ -160,8 +160,8 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         self.heading = self.heading.plus(turned);
     }
 
-    /// Takes a reading: no point is where its beam went free, and its echo is a new one. A sensor
-    /// that hears nothing tells nothing: an echo may have gone astray on a smooth wall.
+    /// Takes a reading: its beam shows free what lies before its echo, which is a new point. A
+    /// sensor that hears nothing tells nothing: an echo may have gone astray on a smooth wall.
     pub fn hear(&mut self, limits: &PointLimits, beam: &Beam) {
         let axis = self.heading.plus(beam.axis).direction();
         let face = beam.mount.rotated(self.heading.direction());
@@ -217,15 +217,14 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         let mut along_axis = [None; SECTORS];
         let mut known = Mask::NONE;
         for point in &self.points {
-            let place = point.place();
-            let [own, other] = sectors_at::<SECTORS>(place.bearing());
+            let [own, other] = sectors_at::<SECTORS>(point.at.bearing());
             if !point.is_echo {
                 if point.is_from_here(limits) {
                     known = with_views(known, [own, other]);
                 }
                 continue;
             }
-            let square = place.squared_mm2();
+            let square = point.at.squared_mm2();
             let squares = if point.tells(limits) {
                 &mut nearest
             } else {
@@ -275,8 +274,7 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         let direction = direction_of(way, length.into());
         let things = self.points.iter().filter(|point| point.is_echo);
         let free = things.fold(i32::from(length), |free, point| {
-            let place = point.place();
-            let (x, y) = (place.dx_mm.into(), place.dy_mm.into());
+            let (x, y) = (point.at.dx_mm.into(), point.at.dy_mm.into());
             until_contact(direction.components(x, y), radius_mm.into(), free)
         });
         free as u16
@@ -284,11 +282,6 @@ impl<const POINTS: usize> PointMemory<POINTS> {
 }
 
 impl Point {
-    /// Where it is most likely.
-    fn place(&self) -> Displacement {
-        self.at.plus(self.arc.aside())
-    }
-
     fn is_from_here(&self, limits: &PointLimits) -> bool {
         let here_mm = u32::from(limits.here_mm) + 1;
         self.seen_from.is_shorter_than(here_mm)

@@ -86,7 +86,7 @@ fn a_captured_place_is_found_again() {
 fn a_body_finds_the_place_that_it_was_shown() {
     let program = host_sim!();
     let robot = "--robot turtlebot3 --ranges nomad";
-    for at in ["-1,0.5", "0,-1.2"] {
+    for at in ["1.5,1", "-1,0.5", "0,-1.2", "1,-0.8", "-1.3,-1"] {
         let said = program.ok(&format!(
             "capture {robot} --world room --at {at} --out place.toml"
         ));

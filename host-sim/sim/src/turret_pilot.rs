@@ -213,6 +213,25 @@ mod tests {
     }
 
     #[test]
+    fn a_second_robot_drives_around_in_the_room() {
+        let places = |second_robot| {
+            let robot = scrambled("p3dx");
+            let setup = Setup {
+                second_robot,
+                record: true,
+                ..setup(robot, SonarModel::Ideal, 40, 300)
+            };
+            let episode = run(&World::random(300), &setup, |_, _, _| {}).expect("it drives");
+            let steps = episode.recording.expect("recorded").seeking;
+            let mut places: Vec<_> = steps.iter().filter_map(|step| step.leader).collect();
+            places.dedup();
+            places.len()
+        };
+        assert_eq!(places(false), 0);
+        assert!(places(true) > 20);
+    }
+
+    #[test]
     fn a_sensor_in_order_is_not_taken_for_a_moved_one() {
         let robots = ["p3dx", "p3at", "epuck2", "thymio2", "khepera", "turtlebot3"];
         for (name, ranges) in robots

@@ -106,7 +106,8 @@ impl<const BEAMS: usize> Fits<BEAMS> {
 
     /// Two sensors have read the same thing.
     pub(super) fn compare(&mut self, before: &Reading, seen: &Reading) {
-        if before.sensor != seen.sensor {
+        // Two that look the same way at once stand apart for that: things beside it differ.
+        if before.sensor != seen.sensor && before.turned != seen.turned {
             let difference = seen.value.abs_diff(before.value);
             for sensor in [before.sensor, seen.sensor] {
                 if let Some(fit) = self.0.get_mut(usize::from(sensor)) {

@@ -1,12 +1,12 @@
 //! Carving by cones: an echo tells how far something is, not where in the beam's cone. Later beams
-//! show parts of that arc free, until the place that is left is known or nothing is left.
+//! show parts of that arc free, until nothing is left.
 
 use crate::units::{Bearing, Direction, Displacement};
 
 /// Steps of an arc are kept in units of so many millimeters: 256 points have to fit.
 const UNIT_MM: i32 = 4;
-/// The places of an arc in steps from the beam's axis: the likeliest first.
-const PLACES: [i8; 5] = [0, 1, -1, 2, -2];
+/// The places of an arc in steps from the beam's axis.
+const PLACES: [i8; 5] = [-2, -1, 0, 1, 2];
 /// All places are free.
 const ALL_FREE: u8 = (1 << PLACES.len()) - 1;
 
@@ -15,7 +15,7 @@ const ALL_FREE: u8 = (1 << PLACES.len()) - 1;
 pub(super) struct Arc {
     /// From one place to the next on its left, in units.
     step: (i8, i8),
-    /// Places that beams have shown free, the likeliest in the lowest bit.
+    /// Places that beams have shown free, a bit for each.
     free: u8,
 }
 
@@ -38,17 +38,6 @@ impl Arc {
             step: (units(-y), units(x)),
             free: 0,
         }
-    }
-
-    /// From the axis to the likeliest place that is left.
-    pub(super) fn aside(self) -> Displacement {
-        let place = PLACES.get(self.free.trailing_ones() as usize);
-        place.map_or(Displacement::ZERO, |place| self.at(*place))
-    }
-
-    fn at(self, place: i8) -> Displacement {
-        let mm = |step: i8| i32::from(step) * i32::from(place) * UNIT_MM;
-        Displacement::saturating(mm(self.step.0), mm(self.step.1))
     }
 
     /// Takes the places away that a beam has shown free; `axis` is where the arc's axis is, from

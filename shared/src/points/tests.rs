@@ -129,24 +129,18 @@ fn a_point_goes_when_a_beam_went_free_through_its_whole_arc() {
 }
 
 #[test]
-fn a_point_moves_to_the_part_of_its_arc_that_is_left() {
-    let mut memory = heard(&[(0.0, 1_000)]);
-    let place = |memory: &PointMemory<64>| memory.points[0].place();
-    assert_eq!(place(&memory), way(1_230, 0));
-    // A beam from 2.5° to the right on: the axis and what is left of it are free.
-    memory.hear(&LIMITS, &beam(10.0, 2_000));
-    assert_eq!(place(&memory), way(1_230, -88));
-    memory.hear(&LIMITS, &beam(4.0, 2_000));
-    assert_eq!(place(&memory), way(1_230, -176));
-    memory.hear(&LIMITS, &beam(-10.0, 2_000));
-    assert_eq!(place(&memory), beam_end(10.0, 2_000));
-    assert_eq!(memory.len(), 3, "nothing was left of it");
-}
-
-/// Where the echo of a beam lies.
-fn beam_end(angle: f64, range_mm: i32) -> Displacement {
-    let axis = degrees(angle);
-    Displacement::along(axis, 230).plus(Displacement::along(axis, range_mm))
+fn a_point_goes_when_several_beams_went_free_through_its_arc() {
+    let after = |angles: &[f64]| {
+        let mut memory = heard(&[(0.0, 1_000)]);
+        for angle in angles {
+            memory.hear(&LIMITS, &beam(*angle, 2_000));
+        }
+        memory.len() - angles.len()
+    };
+    // A beam from 2.5° to the right on, and one up to that.
+    assert_eq!(after(&[10.0]), 1);
+    assert_eq!(after(&[10.0, 10.0]), 1, "the same part of it");
+    assert_eq!(after(&[10.0, -10.0]), 0);
 }
 
 #[test]

@@ -52,8 +52,8 @@ struct EarlierPing {
 /// First echo of a transducer.
 #[derive(Debug, Clone, Copy, Default)]
 struct FirstEcho {
-    /// Pose of the robot at this echo; `None` = not valid in the current world.
-    from: Option<Pose>,
+    /// Pose of the robot and the transducer at this echo; `None` = not valid in the current world.
+    from: Option<(Pose, Transducer)>,
     range_m: Option<f64>,
 }
 
@@ -349,7 +349,7 @@ impl Ring {
             self.echoes.iter_mut().for_each(|echo| echo.from = None);
         }
         let last = self.echoes.get(sensor)?;
-        if last.from.as_ref() == Some(pose) {
+        if last.from == Some((*pose, transducer)) {
             return last.range_m;
         }
         let heading = self.heading_vector(pose.heading);
@@ -369,7 +369,7 @@ impl Ring {
         let range_m = self.hearing.first_echo(world, view, &self.config);
         if let Some(echo) = self.echoes.get_mut(sensor) {
             *echo = FirstEcho {
-                from: Some(*pose),
+                from: Some((*pose, transducer)),
                 range_m,
             };
         }

@@ -434,3 +434,31 @@ fn light_returns_from_an_oblique_wall_with_the_noise_of_its_kind() {
         );
     }
 }
+
+/// In a corridor along x the transducers ahead and to the left read different ranges, and one that
+/// is turned by 90° to the left reads what the other does, exact and noisy, standing.
+#[test]
+fn a_turned_transducer_looks_elsewhere_from_its_time_on() {
+    let corridor = Shape::room(Point::new(4.0, 1.5));
+    let world = World::new("corridor", Pose::default(), vec![corridor]).unwrap();
+    let pose = Pose::default();
+    for model in [SonarModel::Ideal, SonarModel::Nomad] {
+        let mut noise = Noise::new(1);
+        let fault = "turned:0:90@10".parse().unwrap();
+        let mut ring = Ring::new(model, &mut noise).with_faults(&[fault]);
+        let mut readings = |time_s| {
+            if model == SonarModel::Nomad {
+                // A ping may be missed.
+                let mut ping = |sensor| ring.ping(&world, &pose, sensor, time_s, &mut noise);
+                return [0, 4].map(|sensor| (0..20).find_map(|_| ping(sensor)).unwrap());
+            }
+            let mut ranges = [None; 16];
+            ring.scan_with_faults(&world, &pose, time_s, &mut ranges, &mut noise);
+            [0, 4].map(|sensor| ranges[sensor].unwrap())
+        };
+        let [ahead, left] = readings(9.0);
+        assert!(ahead > left + 2.0, "{model:?}: {ahead} {left}");
+        let [turned, left] = readings(10.0);
+        assert!((turned - left).abs() < 0.1, "{model:?}: {turned} {left}");
+    }
+}
