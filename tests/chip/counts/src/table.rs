@@ -115,13 +115,13 @@ fn print_body(counts: &body::BodyCounts) {
     row(
         "body: echo at rest, with 256 points",
         counts.events.echo,
-        48_400,
+        48_100,
     );
-    row("body: echo on the way", counts.events.on_the_way, 119_600);
+    row("body: echo on the way", counts.events.on_the_way, 99_300);
     row(
         "body: **decision** (last echo of the ring): avoid",
         counts.decision,
-        158_100,
+        139_700,
     );
     row("body: report of the base", counts.events.odometry, 8_030);
     row(
