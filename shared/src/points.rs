@@ -4,8 +4,8 @@
 //! Each echo leaves a point on its beam's axis, in the odometry's frame. A ring of sectors, evenly
 //! spaced and with the bearings it had at the start, is read off the points however few sensors
 //! there are and wherever they look. What returned an echo may stand anywhere in its beam's cone:
-//! a point goes when newer echoes came from beyond all of that, or when it was seen too long ago,
-//! by distance traveled.
+//! seen from elsewhere a point stands where newer echoes have left it, and it goes when they came
+//! from beyond all of its cone, or when it was heard too long ago, by distance traveled.
 //!
 //! Nothing here depends on the maps, the planner or the time.
 
@@ -203,10 +203,9 @@ impl<const POINTS: usize> PointMemory<POINTS> {
     /// sector in which a sensor has seen from here that nothing is within its reach.
     ///
     /// A sector's range is that of its nearest point, within 12.5° of its axis in a ring of 16.
-    /// Far points seen from elsewhere count only in sectors without others. But a
-    /// point lies on its beam's axis, and what returned the echo may lie anywhere in the beam's
-    /// cone. So if a beam looks along the axis from here, the others only count where they are
-    /// nearer by more than [`nearer_mm`](PointLimits::nearer_mm).
+    /// Far points seen from elsewhere count only in sectors without others. But what returned an
+    /// echo may lie anywhere in the beam's cone. So if a beam looks along the axis from here, the
+    /// others only count where they are nearer by more than [`nearer_mm`](PointLimits::nearer_mm).
     #[must_use]
     pub fn ring<const SECTORS: usize>(
         &self,
@@ -217,15 +216,16 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         let mut along_axis = [None; SECTORS];
         let mut known = Mask::NONE;
         for point in &self.points {
-            let [own, other] = sectors_at::<SECTORS>(point.at.bearing());
+            let at = point.place(limits);
+            let [own, other] = sectors_at::<SECTORS>(at.bearing());
             if !point.is_echo {
                 if point.is_from_here(limits) {
                     known = with_views(known, [own, other]);
                 }
                 continue;
             }
-            let square = point.at.squared_mm2();
-            let squares = if point.tells(limits) {
+            let square = at.squared_mm2();
+            let squares = if point.tells(limits, at) {
                 &mut nearest
             } else {
                 &mut older
@@ -282,17 +282,27 @@ impl<const POINTS: usize> PointMemory<POINTS> {
 }
 
 impl Point {
+    /// Where its echo came from, as far as beams have told since. A point heard from here stays on
+    /// its beam's axis: so it tells what a ring would hear here.
+    fn place(&self, limits: &PointLimits) -> Displacement {
+        if self.is_from_here(limits) {
+            self.at
+        } else {
+            self.at.plus(self.arc.place_left())
+        }
+    }
+
     fn is_from_here(&self, limits: &PointLimits) -> bool {
         let here_mm = u32::from(limits.here_mm) + 1;
         self.seen_from.is_shorter_than(here_mm)
     }
 
-    /// Whether an echo tells its sector's range: it was seen from here, or is near and was.
-    fn tells(&self, limits: &PointLimits) -> bool {
+    /// Whether an echo that came from `at` tells its sector's range: it was seen from here, or is
+    /// near and was.
+    fn tells(&self, limits: &PointLimits, at: Displacement) -> bool {
         let near_mm = u32::from(limits.near_mm.saturating_add(limits.face_radius_mm));
         self.is_from_here(limits)
-            || (self.at.is_shorter_than(near_mm)
-                && self.at.minus(self.seen_from).is_shorter_than(near_mm))
+            || (at.is_shorter_than(near_mm) && at.minus(self.seen_from).is_shorter_than(near_mm))
     }
 }
 

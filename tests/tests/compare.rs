@@ -46,6 +46,16 @@ fn a_method_is_the_same_alone_or_among_others() {
 }
 
 #[test]
+fn another_robot_is_compared_on_the_nomads_body() {
+    let flags = "--methods vfh-plus,default --shield off";
+    let text = |robot: &str| host_sim!().ok(&format!("{SMALL} {flags} {robot}"));
+    let of_robot = text("--robot p3dx --ranges nomad");
+    assert!(of_robot.contains("p3dx"), "{of_robot}");
+    let lines = |text: &str| text.lines().take(6).map(str::to_owned).collect::<Vec<_>>();
+    assert_ne!(lines(&of_robot), lines(&text("")));
+}
+
+#[test]
 fn bad_input_is_named() {
     for (flags, named) in [
         ("--methods foo", "unknown method \"foo\""),
@@ -54,6 +64,8 @@ fn bad_input_is_named() {
         ("--seeds 0", "--seeds"),
         ("--world random:x", "random:x"),
         ("--tune default", "--tune default"),
+        ("--robot p3dx", "needs --ranges nomad"),
+        ("--robot p3dy --ranges nomad", "did you mean \"p3dx\"?"),
     ] {
         let output = host_sim!().run(&words(&format!("compare {flags}")));
         assert_eq!(output.code, Some(2), "{flags}");

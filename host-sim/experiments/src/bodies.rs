@@ -12,7 +12,7 @@ use sim::error::EpisodeError;
 use sim::ring_pilot::RingPilot;
 use sim::robot::AnyRobot;
 use sim::statistics::{Mean, bootstrap, median, wilson};
-use sim::turret_pilot::TurretPolicy;
+use sim::turret_pilot::{PolicyPilot, TurretPolicy};
 
 mod control;
 
@@ -207,19 +207,19 @@ fn drive_control(
     let clearance_m = CONTROL_CLEARANCE * f64::from(config.clearance_mm) / 1e3;
     let step_m = f64::from(config.robot.step_mm) / 1e3;
     let policy = ControlPolicy::new(control, clearance_m, step_m, seeds.exploration);
-    let drive = |policy, steps| match robot {
-        None => {
-            let mut pilot = RingPilot::new(policy, None);
-            let body = Body::new(&world, sonar, TurretMode::Held, seeds.noise);
-            let metrics = drive_pilot(&world, &mut pilot, body, steps)?;
-            Ok((metrics, pilot.into_policy()))
-        }
-        Some(robot) => {
-            let mut pilot = TurretPolicy::new(config.clone(), robot, policy);
-            let body = Body::of_robot(&world, robot, sonar, seeds.noise);
-            let metrics = drive_pilot(&world, &mut pilot, body, steps)?;
-            Ok((metrics, pilot.into_policy()))
-        }
+    let drive = |policy, steps| {
+        let (mut pilot, body) = match robot {
+            None => (
+                PolicyPilot::Ring(Box::new(RingPilot::new(policy, None))),
+                Body::new(&world, sonar, TurretMode::Held, seeds.noise),
+            ),
+            Some(robot) => (
+                PolicyPilot::Turret(TurretPolicy::new(config.clone(), robot, policy)),
+                Body::of_robot(&world, robot, sonar, seeds.noise),
+            ),
+        };
+        let metrics = drive_pilot(&world, &mut pilot, body, steps)?;
+        Ok((metrics, pilot.into_policy()))
     };
     let policy = if control.learns() {
         drive(policy, trial.explore_moves.into())?.1.learned()

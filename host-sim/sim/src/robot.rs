@@ -66,16 +66,23 @@ impl AnyRobot {
             Ranges::Own => model,
             Ranges::Nomad => on_nomad(model),
         };
-        let guard = has_guard.then_some(GUARD);
-        Ok(Self {
+        let robot = Self {
             model,
             ranges,
-            guard,
+            guard: None,
             wires: (0..count).collect(),
             miswiring: None,
             geometry: Origin::Known,
             actuators: Origin::Known,
-        })
+        };
+        Ok(robot.with_guard(has_guard))
+    }
+
+    /// The same robot, with a guard or without.
+    #[must_use]
+    pub fn with_guard(mut self, has_guard: bool) -> Self {
+        self.guard = has_guard.then_some(GUARD);
+        self
     }
 
     /// The same robot with the wires of its sensors permuted; the controller is not told.

@@ -102,9 +102,49 @@ impl<P: Policy> TurretPolicy<P> {
         }
     }
 
+    /// The policy.
+    pub fn policy(&self) -> &P {
+        self.ring.policy()
+    }
+
     /// The policy, without its pilot.
     pub fn into_policy(self) -> P {
         self.ring.into_policy()
+    }
+}
+
+/// A rule that decides by rings, on any robot.
+pub enum PolicyPilot<P> {
+    /// The Nomad with its ring on a held turret.
+    Ring(Box<RingPilot<P>>),
+    /// A robot whose sensors stand anywhere.
+    Turret(TurretPolicy<P>),
+}
+
+impl<P: Policy> PolicyPilot<P> {
+    /// The policy.
+    pub fn policy(&self) -> &P {
+        match self {
+            Self::Ring(pilot) => pilot.policy(),
+            Self::Turret(pilot) => pilot.policy(),
+        }
+    }
+
+    /// The policy, without its pilot.
+    pub fn into_policy(self) -> P {
+        match self {
+            Self::Ring(pilot) => pilot.into_policy(),
+            Self::Turret(pilot) => pilot.into_policy(),
+        }
+    }
+}
+
+impl<P: Policy> Pilot for PolicyPilot<P> {
+    fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
+        match self {
+            Self::Ring(pilot) => pilot.handle(at, event),
+            Self::Turret(pilot) => pilot.handle(at, event),
+        }
     }
 }
 

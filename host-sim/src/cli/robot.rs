@@ -97,6 +97,20 @@ impl NamedRobotArgs {
         }
         AnyRobot::new(RobotModel::find(&self.robot)?, self.ranges, has_guard).map(Some)
     }
+
+    /// As [`find`](Self::find), for methods whose distances are the Nomad's.
+    ///
+    /// # Errors
+    /// As [`find`](Self::find), and another robot with its own ranges.
+    pub(super) fn find_on_nomad(&self, has_guard: bool) -> Result<Option<AnyRobot>, BadInput> {
+        if self.robot != NOMAD && self.ranges == Ranges::Own {
+            return Err(BadInput::new(format!(
+                "--robot {}: needs --ranges nomad, the other methods keep the Nomad's distances",
+                self.robot
+            )));
+        }
+        self.find(has_guard)
+    }
 }
 
 impl ToldArgs {

@@ -40,6 +40,19 @@ impl Arc {
         }
     }
 
+    /// The place nearest to the axis that no beam has shown free, from the axis.
+    pub(super) fn place_left(&self) -> Displacement {
+        let left = PLACES.into_iter().enumerate();
+        let left = left.filter(|(bit, _)| self.free & (1 << bit) == 0);
+        let places = left.map(|(_, place)| place);
+        let place = places.min_by_key(|place| place.abs()).unwrap_or(0);
+        let mm = |units: i8| (i32::from(place) * i32::from(units) * UNIT_MM) as i16;
+        Displacement {
+            dx_mm: mm(self.step.0),
+            dy_mm: mm(self.step.1),
+        }
+    }
+
     /// Takes the places away that a beam has shown free; `axis` is where the arc's axis is, from
     /// the robot. Returns whether any place is left.
     pub(super) fn carve(&mut self, axis: Displacement, beam: &FreeBeam) -> bool {

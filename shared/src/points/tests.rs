@@ -143,6 +143,38 @@ fn a_point_goes_when_several_beams_went_free_through_its_arc() {
     assert_eq!(after(&[10.0, -10.0]), 0);
 }
 
+/// A wall at a distance of 1 m on the left: of it a beam askew hears what is nearest in its cone.
+#[test]
+fn a_point_heard_elsewhere_stands_where_beams_have_left_it() {
+    let mut memory = heard(&[(45.0, 992)]);
+    memory.moved(&LIMITS, way(865, 0), Bearing::ZERO);
+    assert_near(ranges(&memory)[4], Some(635));
+    memory.hear(&LIMITS, &beam(90.0, 770));
+    memory.moved(&LIMITS, way(30, 0), Bearing::ZERO);
+    assert_near(ranges(&memory)[4], Some(769));
+}
+
+#[test]
+fn a_point_heard_from_here_stays_on_its_axis() {
+    let mut memory = heard(&[(9.0, 1_000), (-1.0, 2_000)]);
+    assert_near(ranges(&memory)[1], None);
+    // From elsewhere it is seen to stand farther to the left.
+    memory.moved(&LIMITS, way(-310, 0), Bearing::ZERO);
+    assert_near(ranges(&memory)[1], Some(1_307));
+    memory.moved(&LIMITS, way(310, 0), Bearing::ZERO);
+    assert_near(ranges(&memory)[1], None);
+    assert_near(ranges(&memory)[0], Some(1_000));
+}
+
+/// Ranges of places that were calculated without rounding.
+fn assert_near(found: Option<u16>, expected: Option<u16>) {
+    let is_near = match (found, expected) {
+        (Some(found), Some(expected)) => found.abs_diff(expected) <= 3,
+        _ => found == expected,
+    };
+    assert!(is_near, "{found:?} is not {expected:?}");
+}
+
 #[test]
 fn a_full_memory_drops_what_was_heard_first() {
     let mut memory = PointMemory::<3>::new();

@@ -17,18 +17,22 @@ use sim::behavior::Behavior;
 use sim::braitenberg::Braitenberg;
 use sim::episode::{Body, Seeds, Setup, drive_pilot, run_with};
 use sim::error::EpisodeError;
-use sim::pilot::LocalController;
+use sim::pilot::{InspectableController, LocalController};
 use sim::ring_pilot::{Policy, RingPilot};
+use sim::robot::AnyRobot;
+use sim::turret_pilot::{PolicyPilot, TurretController, TurretPolicy};
 use std::f64::consts::TAU;
 
 /// How a method is measured.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Conditions {
+    /// The robot; `None` = the Nomad as it is.
+    pub robot: Option<AnyRobot>,
     /// Measured decisions, after learning.
     pub steps: u32,
     /// Sonar model.
     pub sonar: SonarModel,
-    /// The shield limits every motion, including those of learning.
+    /// The shield limits every motion, including those of learning; a robot has a guard instead.
     pub shield: bool,
     /// Measures wall time.
     pub timed: bool,
@@ -75,10 +79,12 @@ pub fn drive(
     conditions: &Conditions,
 ) -> Result<Vec<MethodOutcome>, EpisodeError> {
     let constants = candidate.constants;
+    let robot = conditions.robot.clone();
     let place = MeasuredSite {
         world,
         seeds: Seeds::of(seed),
         conditions,
+        robot: robot.map(|robot| robot.with_guard(conditions.shield)),
     };
     let budgets = candidate.budgets;
     let course = place.course();
@@ -120,6 +126,8 @@ struct MeasuredSite<'a> {
     world: &'a World,
     seeds: Seeds,
     conditions: &'a Conditions,
+    /// The robot, with a guard or without.
+    robot: Option<AnyRobot>,
 }
 
 impl MeasuredSite<'_> {
@@ -129,13 +137,24 @@ impl MeasuredSite<'_> {
     }
 
     fn body(&self) -> Body<'_> {
-        let sonar = self.conditions.sonar;
-        Body::new(self.world, sonar, TurretMode::Held, self.seeds.noise)
+        let (world, sonar, noise) = (self.world, self.conditions.sonar, self.seeds.noise);
+        match &self.robot {
+            None => Body::new(world, sonar, TurretMode::Held, noise),
+            Some(robot) => Body::of_robot(world, robot, sonar, noise),
+        }
     }
 
-    fn pilot<P: Policy>(&self, policy: P) -> RingPilot<P> {
-        let shield = Config::recommended().shield;
-        RingPilot::new(policy, shield.filter(|_| self.conditions.shield))
+    fn pilot<P: Policy>(&self, policy: P) -> PolicyPilot<P> {
+        let config = Config::recommended();
+        match &self.robot {
+            None => {
+                let shield = config.shield.filter(|_| self.conditions.shield);
+                PolicyPilot::Ring(Box::new(RingPilot::new(policy, shield)))
+            }
+            Some(robot) => {
+                PolicyPilot::Turret(TurretPolicy::new(robot.config(config), robot, policy))
+            }
+        }
     }
 
     /// Measures a policy without training.
@@ -206,6 +225,9 @@ impl MeasuredSite<'_> {
         if !self.conditions.shield {
             config.shield = None;
         }
+        if let Some(robot) = &self.robot {
+            config = robot.config(config);
+        }
         let setup = Setup {
             config: config.clone(),
             preset: String::new(),
@@ -215,39 +237,56 @@ impl MeasuredSite<'_> {
             seed,
             sonar: self.conditions.sonar,
             turret,
+            robot: self.robot.clone(),
             // Every method is measured from the world's start.
-            robot: None,
             set_down: Some(self.world.start().position),
             faults: Vec::new(),
             second_robot: false,
             record: false,
         };
-        let mut observer = ObservedDriver::new(LocalController::new(config), self.conditions.timed);
-        let report = run_with(self.world, &setup, &mut observer, |_, _, _| {})?.report;
-        let state = observer.driver().state();
+        let outcome = match &self.robot {
+            None => self.observed(&setup, LocalController::new(config)),
+            Some(robot) => self.observed(&setup, TurretController::new(config, robot)),
+        };
+        Ok(vec![outcome?])
+    }
+
+    /// Measures the controller.
+    fn observed(
+        &self,
+        setup: &Setup,
+        controller: impl InspectableController,
+    ) -> Result<MethodOutcome, EpisodeError> {
+        let mut observer = ObservedDriver::new(controller, self.conditions.timed);
+        let report = run_with(self.world, setup, &mut observer, |_, _, _| {})?.report;
+        let observation = observer.observation();
+        let state = observer.knowledge()?;
         let parts = [
             StatePart::Situations,
             StatePart::Changes,
             StatePart::Actions,
             StatePart::Memory,
         ];
-        Ok(vec![MethodOutcome {
+        Ok(MethodOutcome {
             learning_contacts: report.explore_contacts,
             contacts: report.contacts,
             distance_m: report.distance_m,
             coverage_m2: report.coverage_m2,
             clearance_m: report.min_clearance_m,
             bytes: parts.iter().map(|part| state.part_len(*part)).sum(),
-            observation: observer.observation(),
-        }])
+            observation,
+        })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use arena::robot_model::RobotModel;
+    use sim::robot::Ranges;
 
     const CONDITIONS: Conditions = Conditions {
+        robot: None,
         steps: 60,
         sonar: SonarModel::Ideal,
         shield: false,
@@ -255,16 +294,20 @@ mod tests {
     };
 
     fn outcomes(method: ComparedMethod, budgets: &[u32], shield: bool) -> Vec<MethodOutcome> {
+        let conditions = Conditions {
+            shield,
+            ..CONDITIONS
+        };
+        of(method, budgets, &conditions)
+    }
+
+    fn of(method: ComparedMethod, budgets: &[u32], conditions: &Conditions) -> Vec<MethodOutcome> {
         let candidate = MethodUnderTest {
             method,
             constants: &Constants::of(false),
             budgets,
         };
-        let conditions = Conditions {
-            shield,
-            ..CONDITIONS
-        };
-        drive(&candidate, &World::random(20_001), 4, &conditions).expect("it drives")
+        drive(&candidate, &World::random(20_001), 4, conditions).expect("it drives")
     }
 
     #[test]
@@ -282,6 +325,26 @@ mod tests {
                 assert!(outcome.distance_m > 0.5 && outcome.bytes > 0, "{method:?}");
                 assert!(outcome.observation.decisions >= 60, "{method:?}");
             }
+        }
+    }
+
+    #[test]
+    fn every_method_drives_another_robot_and_its_guard_keeps_it_from_what_it_sees() {
+        let model = RobotModel::builtin("p3dx").expect("built in");
+        let robot = AnyRobot::new(model, Ranges::Nomad, false).expect("it fits");
+        for method in ComparedMethod::ALL {
+            let conditions = Conditions {
+                robot: Some(robot.clone()),
+                shield: true,
+                ..CONDITIONS
+            };
+            let outcome = of(method, &method.budgets(&[20]), &conditions)[0];
+            let contacts = (outcome.learning_contacts, outcome.contacts);
+            assert_eq!(contacts, (0, 0), "{method:?}");
+            assert!(
+                outcome.distance_m > 0.5 && outcome.bytes > 0,
+                "{method:?}: {outcome:?}"
+            );
         }
     }
 

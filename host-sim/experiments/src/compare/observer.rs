@@ -1,9 +1,11 @@
 //! Observes a driver: time until no obstacle is near again, and wall time per decision.
 
 use amp::controller::{Command, Event, Outputs};
+use amp::turret::BodySpec;
 use amp::units::{Millis, Range};
 use sim::error::EpisodeError;
 use sim::pilot::{InspectableController, Pilot, SimState};
+use sim::robot::MAX_BEAMS;
 use std::time::{Duration, Instant};
 
 /// Goal of obstacle avoidance for every method: no echo nearer than this, mm from the faces (as the
@@ -101,6 +103,10 @@ impl<P: Pilot> Pilot for ObservedDriver<P> {
 impl<P: InspectableController> InspectableController for ObservedDriver<P> {
     fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
         self.driver.knowledge()
+    }
+
+    fn body(&mut self) -> Result<Option<BodySpec<MAX_BEAMS>>, EpisodeError> {
+        self.driver.body()
     }
 }
 

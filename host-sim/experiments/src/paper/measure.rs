@@ -283,6 +283,7 @@ fn compared(
         ],
         moves: LEARNING_MOVES.into(),
         conditions: vec![Conditions {
+            robot: None,
             steps: STEPS,
             sonar: SonarModel::Ideal,
             shield: false,

@@ -6,6 +6,7 @@ mod tables;
 
 use super::CliError;
 use super::output::{bar, pool, prepare};
+use super::robot::NamedRobotArgs;
 use super::run::{SonarChoice, sources};
 use ::files::error::BadInput;
 use clap::{Args, ValueEnum};
@@ -19,6 +20,8 @@ use std::path::PathBuf;
 /// Flags of the `compare` command.
 #[derive(Debug, Clone, Args)]
 pub struct CompareArgs {
+    #[command(flatten)]
+    robot: NamedRobotArgs,
     /// World: a file, a folder, random:SEED, random:A..=B, random2:SEED, random2:A..=B or a
     /// built-in name; may be given several times
     #[arg(long = "world", value_name = "WORLD", default_value = "random:1..=6")]
@@ -34,7 +37,8 @@ pub struct CompareArgs {
     /// The first of these seeds
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
-    /// Measure without the shield, with it, or both one after the other
+    /// Measure without the shield, with it, or both one after the other; another robot has a guard
+    /// instead
     #[arg(long, value_name = "ON|OFF|BOTH", default_value = "both", value_enum)]
     shield: Shields,
     /// Measured decisions of each episode, after learning
@@ -149,29 +153,33 @@ fn plan(args: &CompareArgs) -> Result<ComparisonPlan, BadInput> {
         worlds.push(source.load()?);
     }
     let shields = args.shield.each().iter();
+    let conditions: Result<_, _> = shields.map(|shield| conditions(args, *shield)).collect();
     Ok(ComparisonPlan {
         worlds,
         first_seed: args.seed,
         seeds: args.seeds,
         methods: args.methods.0.clone(),
         moves: args.moves.clone(),
-        conditions: shields.map(|shield| conditions(args, *shield)).collect(),
+        conditions: conditions?,
     })
 }
 
-fn conditions(args: &CompareArgs, shield: bool) -> Conditions {
-    Conditions {
+fn conditions(args: &CompareArgs, shield: bool) -> Result<Conditions, BadInput> {
+    Ok(Conditions {
+        robot: args.robot.find_on_nomad(shield)?,
         steps: args.steps,
         sonar: args.sonar.into(),
         shield,
         timed: args.time,
-    }
+    })
 }
 
 /// Describes the figures in one or two sentences.
 fn about(plan: &ComparisonPlan, args: &CompareArgs) -> String {
+    let robot = plan.conditions.iter().find_map(|c| c.robot.as_ref());
+    let robot = robot.map_or_else(String::new, |robot| format!("{}: ", robot.label()));
     format!(
-        "Mean [95 % interval] of {} worlds ({}) × {} seeds, {} steps each, measured from the world's start after learning in the \
+        "Mean [95 % interval] of {robot}{} worlds ({}) × {} seeds, {} steps each, measured from the world's start after learning in the \
          same world; sonars: {}. Intervals by the bootstrap over worlds and seeds.",
         plan.worlds.len(),
         args.worlds.join(", "),
@@ -193,7 +201,7 @@ fn tune(method: ComparedMethod, args: &CompareArgs) -> Result<String, BadInput> 
         method,
         moves: args.moves.first().copied().unwrap_or(1),
         rooms: args.seeds,
-        conditions: conditions(args, args.shield == Shields::On),
+        conditions: conditions(args, args.shield == Shields::On)?,
     };
     let progress = bar((search::ROUNDS * tuned_constants.len()) as u64, "constants");
     let mut lines = Vec::new();

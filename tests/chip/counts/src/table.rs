@@ -117,11 +117,11 @@ fn print_body(counts: &body::BodyCounts) {
         counts.events.echo,
         48_100,
     );
-    row("body: echo on the way", counts.events.on_the_way, 99_300);
+    row("body: echo on the way", counts.events.on_the_way, 121_000);
     row(
         "body: **decision** (last echo of the ring): avoid",
         counts.decision,
-        139_700,
+        147_800,
     );
     row("body: report of the base", counts.events.odometry, 8_030);
     row(
