@@ -47,6 +47,8 @@ const LARGEST_SLOPE_TENTHS: i32 = 16;
 const HALF_TURN: u16 = 512;
 /// Bearings within 1° are the same heading.
 const SAME_HEADING: u16 = (65_536_u32 / 360) as u16;
+/// Added to a range before its logarithm is taken, millimeters: what is near differs by less.
+const NEAR_MM: i32 = 300;
 /// Ranges count as at most this, millimeters.
 const FARTHEST_MM: u16 = 5_000;
 /// A sensor whose readings vary by less than this on average is dead: 0.02 of a logarithm.
@@ -228,6 +230,12 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
         self.fits.worst(used)
     }
 
+    /// A range as the other sensors would have read it.
+    #[must_use]
+    pub fn corrected(&self, sensor: usize, range: Range) -> Range {
+        self.fits.corrected(sensor, range)
+    }
+
     /// Forgets what is known of a sensor: it was moved, or has failed.
     pub fn forget(&mut self, sensor: usize) {
         for (before, row) in self.dissimilarity.iter_mut().enumerate() {
@@ -352,7 +360,7 @@ const fn place((before, after): (usize, usize), bin: usize) -> (usize, usize, us
 /// Natural logarithm of a range and 0.3 m, 1 024 = 1. No echo is as far as can be.
 fn logarithm(range: Option<Range>) -> i16 {
     let mm = range.map_or(FARTHEST_MM, |range| range.as_mm().min(FARTHEST_MM));
-    (F32Ext::ln(f32::from(mm) + 300.0) * 1_024.0) as i16
+    (F32Ext::ln(f32::from(mm) + NEAR_MM as f32) * 1_024.0) as i16
 }
 
 #[cfg(test)]

@@ -252,6 +252,32 @@ mod tests {
         assert!(found >= 7, "{found} of 8");
     }
 
+    /// Sensors that read from three quarters to five quarters of what they should. Believed, they
+    /// let the robot touch something more than three hundred times in these rooms.
+    #[test]
+    fn unequal_sensors_are_corrected_while_the_robot_drives() {
+        let factors = [
+            0.826, 0.906, 0.994, 0.988, 0.868, 1.122, 1.111, 1.246, 0.853, 1.151, 0.836, 1.251,
+            0.843, 0.744, 0.846, 1.023,
+        ];
+        let faults = factors.into_iter().enumerate();
+        let faults = faults.map(|(sensor, factor)| format!("scaled:{sensor}:{factor}"));
+        let faults: Vec<_> = faults
+            .map(|fault| fault.parse().expect("a fault"))
+            .collect();
+        let contacts = (572..575).map(|seed| {
+            let model = RobotModel::builtin("p3dx").expect("built in");
+            let robot = AnyRobot::new(model, Ranges::Nomad, false).expect("it fits");
+            let setup = Setup {
+                faults: faults.clone(),
+                ..setup(robot, SonarModel::Ideal, 400, seed)
+            };
+            let episode = run(&World::random(seed), &setup, |_, _, _| {}).expect("it drives");
+            episode.report.contacts
+        });
+        assert_eq!(contacts.sum::<u32>(), 0);
+    }
+
     #[test]
     fn a_second_robot_drives_around_in_the_room() {
         let places = |second_robot| {

@@ -204,6 +204,18 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
         }
     }
 
+    /// The event with its range as the other sensors would have read it.
+    fn corrected(&self, event: Event<SECTORS>) -> Event<SECTORS> {
+        let Event::Echo { sensor, range } = event else {
+            return event;
+        };
+        let calibration = self.babble.calibration();
+        Event::Echo {
+            sensor,
+            range: range.map(|range| calibration.corrected(sensor.into(), range)),
+        }
+    }
+
     /// A sensor that no longer fits is not used until it has been found where it looks now.
     fn check_sensors(&mut self) {
         let calibration = self.babble.calibration();
@@ -276,6 +288,7 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize> Body<SECTORS
             self.solve();
         }
         self.listen(config, &event);
+        let event = self.corrected(event);
         let was_moving = state.is_moving();
         let outputs = turret::handle(config, &self.known, &mut self.turret, state, at, event);
         if was_moving && !state.is_moving() && !self.listens {

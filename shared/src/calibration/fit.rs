@@ -1,10 +1,10 @@
 //! Whether the sensors still look where they are known to look: when two look at the same thing,
 //! one before and one after a turn, they read the same.
 
-use super::Reading;
+use super::{NEAR_MM, Reading};
 use crate::actuation::ONE_Q12;
 use crate::fixed::Mask;
-use crate::units::Bearing;
+use crate::units::{Bearing, Range};
 
 /// Sensors look at the same thing within this angle: 3°.
 const SAME_THING: u16 = (65_536_u32 * 3 / 360) as u16;
@@ -17,7 +17,15 @@ const PER_PLACE: u8 = 4;
 /// The average is clearly greater than another one if it is more than twice that and this.
 const CLEARLY: u16 = 100;
 /// A dissimilarity counts as at most this: half of a logarithm.
-const MOST: u16 = 512;
+const MOST: i16 = 512;
+/// A gain's units per unit of a reading's logarithm.
+const GAIN_UNITS: i16 = 16;
+/// A gain takes one part of so many of a new excess.
+const GAIN_PART: i16 = 64;
+/// Largest gain: sensors differ by a third at most.
+const MOST_GAIN: i16 = 4_915;
+/// A gain of less than 10 % may be chance.
+const LEAST_GAIN: i16 = 1_638;
 
 /// Where the sensors are known to look, and what the base takes for a turn.
 #[derive(Debug, Clone, Copy)]
@@ -73,6 +81,8 @@ pub(super) struct Fit {
     compared: u8,
     /// Of them at this place, at most [`PER_PLACE`].
     here: u8,
+    /// How much more it reads than the others, as a logarithm: 16 384 = 1.
+    gain: i16,
 }
 
 impl Fit {
@@ -80,15 +90,23 @@ impl Fit {
         sum: 0,
         compared: 0,
         here: 0,
+        gain: 0,
     };
 
-    fn learn(&mut self, difference: u16) {
+    /// It reads more by `excess` than another sensor, less what is known of both.
+    fn learn(&mut self, excess: i16) {
         if self.here >= PER_PLACE {
             return;
         }
         self.here += 1;
-        self.sum = self.sum - self.sum / PART + difference.min(MOST);
+        let excess = excess.clamp(-MOST, MOST);
+        self.sum = self.sum - self.sum / PART + excess.unsigned_abs();
         self.compared = (self.compared + 1).min(ENOUGH);
+        // A larger one is of something else: an edge, a missed echo, a sensor that was moved.
+        if excess.abs() <= MOST_GAIN / GAIN_UNITS {
+            let gain = self.gain.saturating_add(excess * GAIN_UNITS / GAIN_PART);
+            self.gain = gain.clamp(-MOST_GAIN, MOST_GAIN);
+        }
     }
 
     /// The average, once there are enough.
@@ -108,10 +126,14 @@ impl<const BEAMS: usize> Fits<BEAMS> {
     pub(super) fn compare(&mut self, before: &Reading, seen: &Reading) {
         // Two that look the same way at once stand apart for that: things beside it differ.
         if before.sensor != seen.sensor && before.turned != seen.turned {
-            let difference = seen.value.abs_diff(before.value);
-            for sensor in [before.sensor, seen.sensor] {
+            let gain = |reading: &Reading| {
+                let fit = self.0.get(usize::from(reading.sensor));
+                fit.map_or(0, |fit| fit.gain / GAIN_UNITS)
+            };
+            let excess = (seen.value - gain(seen)) - (before.value - gain(before));
+            for (sensor, excess) in [(before.sensor, -excess), (seen.sensor, excess)] {
                 if let Some(fit) = self.0.get_mut(usize::from(sensor)) {
-                    fit.learn(difference);
+                    fit.learn(excess);
                 }
             }
         }
@@ -122,6 +144,20 @@ impl<const BEAMS: usize> Fits<BEAMS> {
         for fit in &mut self.0 {
             fit.here = 0;
         }
+    }
+
+    /// A range as the others would have read it; a small difference may be chance.
+    pub(super) fn corrected(&self, sensor: usize, range: Range) -> Range {
+        let fit = self.0.get(sensor).copied().unwrap_or(Fit::NEW);
+        if fit.compared < ENOUGH || fit.gain.unsigned_abs() < LEAST_GAIN.unsigned_abs() {
+            return range;
+        }
+        let mm = i32::from(range.as_mm());
+        let gain = i32::from(fit.gain);
+        // As far as the second power of the gain.
+        let part = gain - gain * gain / (1 << 15);
+        let excess_mm = (mm + NEAR_MM) * part / (1 << 14);
+        Range::from_mm((mm - excess_mm).clamp(0, i32::from(u16::MAX - 1)) as u16)
     }
 
     pub(super) fn forget(&mut self, sensor: usize) {

@@ -256,9 +256,21 @@ fn a_solution_takes_so_many_steps() {
     assert!(!solver.is_busy());
 }
 
-/// Sensor 3 looks elsewhere by `turned` degrees, sensor 5 hears nothing if it `is_dead`. The body
-/// spins at twenty places; if it `knows` where its sensors looked it thinks that all is as ever.
-fn spin(calibration: &mut Calibration<8>, turned: f64, is_dead: bool, knows: bool) {
+/// What is wrong with a sensor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Wrong {
+    Nothing,
+    /// Sensor 3 looks elsewhere by so many degrees.
+    Turned(f64),
+    /// Sensor 3 reads so many times what it should.
+    Scaled(f64),
+    /// Sensor 5 hears nothing.
+    Dead,
+}
+
+/// The body spins at twenty places; if it `knows` where its sensors looked it thinks that all is as
+/// ever.
+fn spin(calibration: &mut Calibration<8>, wrong: Wrong, knows: bool) {
     let bearings = BEARINGS.map(|degrees| Some(of_degrees(degrees)));
     let known = KnownBearings {
         bearings,
@@ -267,11 +279,18 @@ fn spin(calibration: &mut Calibration<8>, turned: f64, is_dead: bool, knows: boo
     for place in 0..20 {
         for step in 0..72 {
             for (sensor, degrees) in BEARINGS.into_iter().enumerate() {
-                let off = if sensor == 3 { turned } else { 0.0 };
+                let off = match wrong {
+                    Wrong::Turned(degrees) if sensor == 3 => degrees,
+                    _ => 0.0,
+                };
+                let factor = match wrong {
+                    Wrong::Scaled(factor) if sensor == 3 => factor,
+                    _ => 1.0,
+                };
                 let heading = f64::from(step * 5 + place * 80);
                 let angle = (heading + degrees + off).to_radians();
-                let mm = range_mm(0.05 * f64::from(place) - 0.2, 0.0, angle);
-                let is_heard = sensor != 5 || !is_dead;
+                let mm = factor * range_mm(0.05 * f64::from(place) - 0.2, 0.0, angle);
+                let is_heard = sensor != 5 || wrong != Wrong::Dead;
                 let range = is_heard.then(|| Range::from_mm(mm as u16));
                 calibration.hear(sensor, range, knows.then_some(&known));
             }
@@ -288,23 +307,45 @@ fn spin(calibration: &mut Calibration<8>, turned: f64, is_dead: bool, knows: boo
 
 #[test]
 fn a_sensor_that_tells_something_else_than_others_that_see_the_same_is_noticed() {
-    let misfit = |turned, is_dead| {
+    let misfit = |wrong| {
         let mut calibration = Calibration::new();
-        spin(&mut calibration, turned, is_dead, true);
+        spin(&mut calibration, wrong, true);
         calibration.misfit(Mask::from_bits(0xFF))
     };
-    assert_eq!(misfit(0.0, false), None);
-    assert_eq!(misfit(4.0, false), None, "as little as it is known");
-    assert_eq!(misfit(60.0, false), Some(3));
-    assert_eq!(misfit(-150.0, false), Some(3));
-    assert_eq!(misfit(0.0, true), Some(5));
+    assert_eq!(misfit(Wrong::Nothing), None);
+    assert_eq!(misfit(Wrong::Turned(4.0)), None, "as little as it is known");
+    assert_eq!(misfit(Wrong::Turned(60.0)), Some(3));
+    assert_eq!(misfit(Wrong::Turned(-150.0)), Some(3));
+    assert_eq!(misfit(Wrong::Dead), Some(5));
+    assert_eq!(misfit(Wrong::Scaled(1.25)), None, "it is corrected");
+}
+
+#[test]
+fn a_sensor_that_reads_too_much_or_too_little_is_corrected() {
+    let corrected = |factor, mm| {
+        let mut calibration = Calibration::new();
+        for _ in 0..3 {
+            spin(&mut calibration, Wrong::Scaled(factor), true);
+        }
+        let read = Range::from_mm((factor * f64::from(mm)) as u16);
+        calibration.corrected(3, read).as_mm()
+    };
+    for (factor, mm) in [(1.25, 1_000), (1.25, 2_000), (0.8, 1_000), (0.8, 2_000)] {
+        let found = corrected(factor, mm);
+        assert!(found.abs_diff(mm) < mm / 8, "{factor}: {found} for {mm}");
+    }
+    assert_eq!(corrected(1.0, 1_000), 1_000);
+    assert_eq!(corrected(1.05, 1_000), 1_050, "it may be chance");
+    let nothing_heard = Calibration::<8>::new();
+    let range = Range::from_mm(1_000);
+    assert_eq!(nothing_heard.corrected(3, range), range);
 }
 
 #[test]
 fn what_is_forgotten_of_one_sensor_is_known_of_the_others() {
     let mut calibration = Calibration::new();
     for knows in [true, false] {
-        spin(&mut calibration, 60.0, false, knows);
+        spin(&mut calibration, Wrong::Turned(60.0), knows);
     }
     calibration.forget(3);
     assert_ne!(calibration.misfit(Mask::from_bits(0xFF)), Some(3));
@@ -325,7 +366,7 @@ fn a_sensor_that_was_moved_is_found_by_the_others() {
     let mut unknown = bearings;
     unknown[3] = None;
     let mut calibration = Calibration::new();
-    spin(&mut calibration, 60.0, false, false);
+    spin(&mut calibration, Wrong::Turned(60.0), false);
     let known = KnownBearings {
         bearings: unknown,
         turn_q12: 4_096,

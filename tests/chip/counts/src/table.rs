@@ -123,7 +123,7 @@ fn print_body(counts: &body::BodyCounts) {
         counts.decision,
         147_800,
     );
-    row("body: report of the base", counts.events.odometry, 8_030);
+    row("body: report of the base", counts.events.odometry, 9_210);
     row(
         "body: echo while it finds its sensors",
         counts.babble.on_the_way,
