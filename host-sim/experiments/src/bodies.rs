@@ -9,10 +9,9 @@ use rayon::prelude::*;
 use sim::behavior::Behavior;
 use sim::episode::{Body, Episode, Metrics, Seeds, Setup, drive_pilot, run};
 use sim::error::EpisodeError;
-use sim::ring_pilot::RingPilot;
 use sim::robot::AnyRobot;
 use sim::statistics::{Mean, bootstrap, median, wilson};
-use sim::turret_pilot::{PolicyPilot, TurretPolicy};
+use sim::turret_pilot::PolicyPilot;
 
 mod control;
 
@@ -210,11 +209,11 @@ fn drive_control(
     let drive = |policy, steps| {
         let (mut pilot, body) = match robot {
             None => (
-                PolicyPilot::Ring(Box::new(RingPilot::new(policy, None))),
+                PolicyPilot::of_nomad(policy, None),
                 Body::new(&world, sonar, TurretMode::Held, seeds.noise),
             ),
             Some(robot) => (
-                PolicyPilot::Turret(TurretPolicy::new(config.clone(), robot, policy)),
+                PolicyPilot::of_robot(config.clone(), robot, policy),
                 Body::of_robot(&world, robot, sonar, seeds.noise),
             ),
         };

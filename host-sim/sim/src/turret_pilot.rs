@@ -8,6 +8,7 @@ use amp::body::{Body as _, MountedSensors};
 use amp::config::Config;
 use amp::controller::{Event, Mode, Outputs, State};
 use amp::fixed::Mask;
+use amp::shield::ShieldConfig;
 use amp::som::Grid;
 use amp::turret::{self, BodySpec, VirtualTurret};
 use amp::units::{Millis, Range};
@@ -118,10 +119,22 @@ pub enum PolicyPilot<P> {
     /// The Nomad with its ring on a held turret.
     Ring(Box<RingPilot<P>>),
     /// A robot whose sensors stand anywhere.
-    Turret(TurretPolicy<P>),
+    Turret(Box<TurretPolicy<P>>),
 }
 
 impl<P: Policy> PolicyPilot<P> {
+    /// As [`RingPilot::new`].
+    #[must_use]
+    pub fn of_nomad(policy: P, shield: Option<ShieldConfig>) -> Self {
+        Self::Ring(Box::new(RingPilot::new(policy, shield)))
+    }
+
+    /// As [`TurretPolicy::new`].
+    #[must_use]
+    pub fn of_robot(config: Config<16>, robot: &AnyRobot, policy: P) -> Self {
+        Self::Turret(Box::new(TurretPolicy::new(config, robot, policy)))
+    }
+
     /// The policy.
     pub fn policy(&self) -> &P {
         match self {

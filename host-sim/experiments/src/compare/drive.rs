@@ -18,9 +18,9 @@ use sim::braitenberg::Braitenberg;
 use sim::episode::{Body, Seeds, Setup, drive_pilot, run_with};
 use sim::error::EpisodeError;
 use sim::pilot::{InspectableController, LocalController};
-use sim::ring_pilot::{Policy, RingPilot};
+use sim::ring_pilot::Policy;
 use sim::robot::AnyRobot;
-use sim::turret_pilot::{PolicyPilot, TurretController, TurretPolicy};
+use sim::turret_pilot::{PolicyPilot, TurretController};
 use std::f64::consts::TAU;
 
 /// How a method is measured.
@@ -149,11 +149,9 @@ impl MeasuredSite<'_> {
         match &self.robot {
             None => {
                 let shield = config.shield.filter(|_| self.conditions.shield);
-                PolicyPilot::Ring(Box::new(RingPilot::new(policy, shield)))
+                PolicyPilot::of_nomad(policy, shield)
             }
-            Some(robot) => {
-                PolicyPilot::Turret(TurretPolicy::new(robot.config(config), robot, policy))
-            }
+            Some(robot) => PolicyPilot::of_robot(robot.config(config), robot, policy),
         }
     }
 
