@@ -334,9 +334,22 @@ mod tests {
     /// At its first decision a P3-DX has not seen four of sixteen sectors: the nest is what it saw.
     #[test]
     fn a_body_comes_back_to_its_nest_by_what_it_saw_there() {
+        let reached = nests_found(Origin::Known);
+        assert!(reached >= 6, "{reached} of 8");
+    }
+
+    /// It begins to learn maps elsewhere than where it began to look for its sensors.
+    #[test]
+    fn a_body_that_finds_its_sensors_comes_back_to_where_it_had_found_them() {
+        let reached = nests_found(Origin::Learned);
+        assert!(reached >= 6, "{reached} of 8");
+    }
+
+    fn nests_found(geometry: Origin) -> usize {
         let reached = (300..308).filter(|&seed| {
             let model = RobotModel::builtin("p3dx").expect("built in");
             let robot = AnyRobot::new(model, Ranges::Nomad, true).expect("it fits");
+            let robot = robot.with_geometry(geometry).expect("it turns");
             let setup = Setup {
                 behavior: Behavior::Nest,
                 ..setup(robot, SonarModel::Ideal, 300, seed)
@@ -345,8 +358,7 @@ mod tests {
             let episode = run(&world, &setup, |_, _, _| {}).expect("it drives");
             episode.report.success > 0.0
         });
-        let reached = reached.count();
-        assert!(reached >= 6, "{reached} of 8");
+        reached.count()
     }
 
     /// The base is turned, mirrored and scaled. Who learns that drives cleanly, who believes it

@@ -149,6 +149,7 @@ pub(super) fn explored<'w>(
     runner.observer = observer;
 
     runner.calibrate(controller, setup)?;
+    runner.start = runner.body.pose().position;
     let explore_moves = setup.explore_moves - setup.calibration_moves();
     let moves = u32::from(explore_moves);
     runner.command(
@@ -241,7 +242,9 @@ pub(super) struct EpisodeRunner<'w> {
     /// The current behavior, and its index in a chain.
     pub(super) behavior: Behavior,
     pub(super) part: usize,
-    /// Situation before the first move, and what was known of it.
+    /// Where the random moves for the maps began.
+    pub(super) start: Point,
+    /// Situation before the first of them, and what was known of it.
     pub(super) nest: Situation<16>,
     pub(super) nest_known: Mask,
     first: bool,
@@ -263,6 +266,7 @@ impl<'w> EpisodeRunner<'w> {
             measure: Measure::new(world, world.start().position),
             behavior: Behavior::Avoid,
             part: 0,
+            start: world.start().position,
             nest: [Weight::ZERO; 16],
             nest_known: Mask::ALL,
             first: true,

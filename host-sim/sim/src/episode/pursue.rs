@@ -48,8 +48,7 @@ impl EpisodeRunner<'_> {
     /// Places the robot and the leader as the behavior requires.
     pub(super) fn set_scene(&mut self, setup: &Setup) {
         let behavior = &setup.behavior;
-        let start = self.world.start().position;
-        let nest = behavior.place(start).unwrap_or(start);
+        let nest = behavior.place(self.start).unwrap_or(self.start);
         if setup.set_down.is_some() || behavior.is_set_down_elsewhere() {
             self.body.wait(CARRY_TIME_S);
             match setup.set_down {
