@@ -266,6 +266,19 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         views.fold(Mask::NONE, with_views)
     }
 
+    /// Distance of the nearest point ahead, from the center, millimeters; `way` is in the frame of
+    /// the start.
+    #[must_use]
+    pub fn nearest_mm(&self, way: Bearing) -> Option<u16> {
+        let way = way.direction();
+        let things = self.points.iter().filter(|point| point.is_echo);
+        let ahead = things.filter(|point| {
+            let Displacement { dx_mm, dy_mm } = point.at;
+            way.along(dx_mm.into(), dy_mm.into()) > 0
+        });
+        ahead.map(|point| point.at.length_mm()).min()
+    }
+
     /// How far a disc of `radius_mm` may go from here along `way`, in the frame of the start,
     /// before it touches a point; at most the way's length. Millimeters.
     #[must_use]

@@ -18,17 +18,17 @@ use crate::units::{Bearing, Displacement, Millis, Range};
 
 mod body_spec;
 mod glance;
+mod guard;
 mod ring_controller;
 
 pub use body_spec::{BodySpec, Mount};
+use guard::Hull;
 pub use ring_controller::RingController;
 
 /// New decisions in a row before one is carried out whatever shows up.
 const MAX_LOOKS: u8 = 3;
 /// The body counts as turned towards its way within this angle: 7.5°.
 const TURNED: u16 = 65_536_u32.div_ceil(48) as u16;
-/// A motion is not shortened by less, millimeters.
-const ROUNDING_MM: u16 = 3;
 /// After so long without an echo nothing is known any more, milliseconds: travel alone does not
 /// tell that a robot was carried elsewhere while it was off.
 const FORGET_MS: u32 = 600_000;
@@ -62,6 +62,7 @@ pub struct VirtualTurret<const SECTORS: usize, const POINTS: usize> {
     glances: u8,
     /// The controller's last motion.
     last_motion_id: u16,
+    hull: Hull,
 }
 
 impl<const SECTORS: usize, const POINTS: usize> Default for VirtualTurret<SECTORS, POINTS> {
@@ -89,6 +90,7 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
             knows_place: false,
             glances: 0,
             last_motion_id: 0,
+            hull: Hull::NEW,
         }
     }
 
@@ -101,7 +103,7 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
         (self.motion, self.course) = (None, Bearing::ZERO);
         (self.is_rolling, self.replans, self.knows_place) = (false, 0, false);
         (self.glance_since, self.glances, self.first_looks) = (None, 0, 0);
-        self.last_motion_id = 0;
+        (self.last_motion_id, self.hull) = (0, Hull::NEW);
     }
 
     /// The points.
@@ -140,17 +142,6 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
                 && now < limits.replan_within_mm
                 && now < before.saturating_sub(limits.replan_nearer_mm)
         })
-    }
-
-    /// What is left of a motion. A base that rolls goes straight on: a few millimeters aside would
-    /// have it stop and turn, and what it has overrun, go back.
-    fn rest_of(&self, motion: Motion) -> Displacement {
-        let Displacement { dx_mm, dy_mm } = motion.displacement;
-        if !self.is_rolling {
-            return motion.displacement;
-        }
-        let ahead_mm = self.course.direction().along(dx_mm.into(), dy_mm.into());
-        Displacement::along(self.course, ahead_mm.max(0))
     }
 
     /// Turns a motion from the frame of the start into the one that the base is to be told.
@@ -347,47 +338,15 @@ where
         outputs
     }
 
-    /// As much of a way as the guard allows.
-    fn guarded(&self, way: Displacement) -> Displacement {
-        let Some(margin_mm) = self.body.guard_mm else {
-            return way;
-        };
-        let radius_mm = self.config.robot.body_radius_mm.saturating_add(margin_mm);
-        let free_mm = self.turret.memory.free_mm(way, radius_mm);
-        if free_mm < way.length_mm() {
-            way.with_length(free_mm)
-        } else {
-            way
-        }
-    }
-
-    /// Orders what is left of the motion under way if the guard now allows less than was ordered.
-    fn shorten(&mut self) -> Outputs<SECTORS> {
-        let Some(under_way) = self.turret.motion else {
-            return Outputs::NONE;
-        };
-        let displacement = self.guarded(self.turret.rest_of(under_way));
-        let (ordered_mm, left_mm) = (under_way.displacement.length_mm(), displacement.length_mm());
-        if ordered_mm.saturating_sub(left_mm) <= ROUNDING_MM {
-            return Outputs::NONE;
-        }
-        let motion = Motion {
-            displacement,
-            ..under_way
-        };
-        self.turret.motion = Some(motion);
-        Outputs {
-            motion: Some(self.turret.to_base(&self.body.actuation, motion)),
-            ..Outputs::NONE
-        }
-    }
-
     /// Takes a report of the base; returns the displacement in the frame of the start.
     fn moved(&mut self, moved: Displacement, turned: Bearing, progress: Progress) -> Displacement {
         let turret = &mut *self.turret;
         let (moved, turned) = turret.odometer.correct(&self.body.actuation, moved, turned);
         let in_frame = moved.rotated(turret.memory.heading().direction());
         turret.memory.moved(&self.body.points, moved, turned);
+        if progress == Progress::Touched {
+            turret.touched();
+        }
         if let Some(motion) = &mut turret.motion {
             motion.displacement = motion.displacement.minus(in_frame);
             turret.is_rolling |= progress == Progress::Moving;

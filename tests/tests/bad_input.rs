@@ -97,6 +97,14 @@ const CASES: &[Case] = &[
         &["--miswire", "another robot than nomad200"],
     ),
     (
+        "run --told-radius 0.5",
+        &["--told-radius", "another robot than nomad200"],
+    ),
+    (
+        "run --robot p3dx --told-radius 2",
+        &["--told-radius", "not from 0.3 to 1.5"],
+    ),
+    (
         "run --geometry learned",
         &["--geometry", "another robot than nomad200"],
     ),

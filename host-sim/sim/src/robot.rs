@@ -32,6 +32,8 @@ pub struct AnyRobot {
     miswiring: Option<Miswiring>,
     geometry: Origin,
     actuators: Origin,
+    /// Share of its radius that the controller is told.
+    told_radius: f64,
 }
 
 /// Distance that the guard keeps, as a share of the body's radius: 90 mm for the Nomad.
@@ -74,6 +76,7 @@ impl AnyRobot {
             miswiring: None,
             geometry: Origin::Known,
             actuators: Origin::Known,
+            told_radius: 1.0,
         };
         Ok(robot.with_guard(has_guard))
     }
@@ -82,6 +85,13 @@ impl AnyRobot {
     #[must_use]
     pub fn with_guard(mut self, has_guard: bool) -> Self {
         self.guard = has_guard.then_some(GUARD);
+        self
+    }
+
+    /// The same robot, whose controller is told this share of its radius.
+    #[must_use]
+    pub fn with_told_radius(mut self, share: f64) -> Self {
+        self.told_radius = share;
         self
     }
 

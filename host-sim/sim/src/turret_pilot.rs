@@ -291,6 +291,24 @@ mod tests {
         assert_eq!(contacts.sum::<u32>(), 0);
     }
 
+    /// Told that it is less than half as large as it is, with a guard that believes it. Without
+    /// learning there are more than sixty contacts.
+    #[test]
+    fn a_body_learns_from_contacts_how_large_it_is() {
+        let contacts = (300..303).map(|seed| {
+            let model = RobotModel::builtin("p3dx").expect("built in");
+            let robot = AnyRobot::new(model, Ranges::Nomad, true).expect("it fits");
+            let setup = Setup {
+                explore_moves: 400,
+                ..setup(robot.with_told_radius(0.4), SonarModel::Nomad, 1, seed)
+            };
+            let episode = run(&World::random2(seed), &setup, |_, _, _| {}).expect("it drives");
+            episode.report.explore_contacts
+        });
+        let contacts = contacts.sum::<u32>();
+        assert!((3..20).contains(&contacts), "{contacts}");
+    }
+
     #[test]
     fn a_second_robot_drives_around_in_the_room() {
         let places = |second_robot| {

@@ -48,6 +48,18 @@ pub(super) struct ToldArgs {
     /// Turn, mirror and scale its commands and its odometry; the controller is not told
     #[arg(long, value_name = "SEED")]
     miswire: Option<u64>,
+    /// Share of its radius that it is told, 0.3 to 1.5; with --shield on it learns the rest from
+    /// contacts
+    #[arg(long, value_name = "SHARE", default_value_t = 1.0, value_parser = radius_share)]
+    told_radius: f64,
+}
+
+fn radius_share(text: &str) -> Result<f64, String> {
+    let share = text
+        .parse()
+        .ok()
+        .filter(|share| (0.3..=1.5).contains(share));
+    share.ok_or_else(|| "not from 0.3 to 1.5".to_owned())
 }
 
 impl RobotArgs {
@@ -126,7 +138,8 @@ impl ToldArgs {
     pub(super) fn apply(&self, robot: AnyRobot, moves: u16) -> Result<AnyRobot, BadInput> {
         let mut robot = robot
             .with_geometry(self.geometry)?
-            .with_actuators(self.actuators)?;
+            .with_actuators(self.actuators)?
+            .with_told_radius(self.told_radius);
         robot.check_moves(moves)?;
         if let Some(seed) = self.scramble {
             robot = robot.scrambled(seed);
@@ -141,6 +154,7 @@ impl ToldArgs {
         let flags = [
             ("scramble", self.scramble.is_some()),
             ("miswire", self.miswire.is_some()),
+            ("told-radius", self.told_radius != 1.0),
             ("geometry", self.geometry == Origin::Learned),
             ("actuators", self.actuators == Origin::Learned),
         ];

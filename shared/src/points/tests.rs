@@ -226,6 +226,15 @@ fn the_way_ends_where_the_disc_touches_a_point() {
 }
 
 #[test]
+fn the_nearest_point_is_looked_for_ahead_only() {
+    let memory = heard(&[(0.0, 770), (80.0, 300), (180.0, 100)]);
+    assert_eq!(memory.nearest_mm(degrees(0.0)), Some(530));
+    assert_eq!(memory.nearest_mm(degrees(-20.0)), Some(1_000));
+    assert_eq!(memory.nearest_mm(degrees(180.0)), Some(330));
+    assert_eq!(heard(&[]).nearest_mm(degrees(0.0)), None);
+}
+
+#[test]
 fn free_space_is_no_thing_and_contradicts_what_lies_before_its_end() {
     let free = Beam {
         is_echo: false,

@@ -80,6 +80,11 @@ impl AnyRobot {
         points.ring(&limits)
     }
 
+    /// What the controller is told of the body's radius.
+    fn told_mm(&self, radius_mm: u16) -> u16 {
+        (f64::from(radius_mm) * self.told_radius).round() as u16
+    }
+
     /// The configuration for the ring of sectors that the controller sees: lengths scaled to the
     /// body, no shield, no fault detection.
     #[must_use]
@@ -92,7 +97,7 @@ impl AnyRobot {
                 directions: evenly_spaced(),
                 symmetric: true,
                 face_radius_mm: scaled(config.robot.face_radius_mm),
-                body_radius_mm: scaled(config.robot.body_radius_mm),
+                body_radius_mm: self.told_mm(scaled(config.robot.body_radius_mm)),
                 step_mm: scaled_way(config.robot.step_mm).min(reach_mm / 4),
                 speed_mm_s: (limits.speed_m_s * 1e3).round() as u16,
                 ring_period_ms: (self.model.period_s * 1e3).round() as u16,

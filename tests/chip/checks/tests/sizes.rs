@@ -17,7 +17,7 @@ const LIMITS: ImageSizes = ImageSizes {
 
 /// With points of echoes, and what finds the sensors of a body.
 const ANY_BODY_LIMITS: ImageSizes = ImageSizes {
-    flash: 112 * KIB,
+    flash: 116 * KIB,
     ram: 32 * KIB,
     ..LIMITS
 };
