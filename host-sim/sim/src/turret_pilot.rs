@@ -292,7 +292,7 @@ mod tests {
     }
 
     /// Told that it is less than half as large as it is, with a guard that believes it. Without
-    /// learning there are more than sixty contacts.
+    /// learning there are forty contacts.
     #[test]
     fn a_body_learns_from_contacts_how_large_it_is() {
         let contacts = (300..303).map(|seed| {

@@ -17,7 +17,7 @@ const PER_PLACE: u8 = 4;
 /// The average is clearly greater than another one if it is more than twice that and this.
 const CLEARLY: u16 = 100;
 /// A dissimilarity counts as at most this: half of a logarithm.
-const MOST: i16 = 512;
+const MOST: u16 = 512;
 /// A gain's units per unit of a reading's logarithm.
 const GAIN_UNITS: i16 = 16;
 /// A gain takes one part of so many of a new excess.
@@ -93,15 +93,20 @@ impl Fit {
         gain: 0,
     };
 
-    /// It reads more by `excess` than another sensor, less what is known of both.
+    const fn has_room(self) -> bool {
+        self.here < PER_PLACE
+    }
+
+    /// It reads more or less by `excess` than another sensor, beside what is known of both.
     fn learn(&mut self, excess: i16) {
-        if self.here >= PER_PLACE {
-            return;
+        if self.has_room() {
+            self.here += 1;
+            self.sum = self.sum - self.sum / PART + excess.unsigned_abs().min(MOST);
+            self.compared = (self.compared + 1).min(ENOUGH);
         }
-        self.here += 1;
-        let excess = excess.clamp(-MOST, MOST);
-        self.sum = self.sum - self.sum / PART + excess.unsigned_abs();
-        self.compared = (self.compared + 1).min(ENOUGH);
+    }
+
+    fn learn_gain(&mut self, excess: i16) {
         // A larger one is of something else: an edge, a missed echo, a sensor that was moved.
         if excess.abs() <= MOST_GAIN / GAIN_UNITS {
             let gain = self.gain.saturating_add(excess * GAIN_UNITS / GAIN_PART);
@@ -126,14 +131,21 @@ impl<const BEAMS: usize> Fits<BEAMS> {
     pub(super) fn compare(&mut self, before: &Reading, seen: &Reading) {
         // Two that look the same way at once stand apart for that: things beside it differ.
         if before.sensor != seen.sensor && before.turned != seen.turned {
-            let gain = |reading: &Reading| {
+            let fit = |reading: &Reading| {
                 let fit = self.0.get(usize::from(reading.sensor));
-                fit.map_or(0, |fit| fit.gain / GAIN_UNITS)
+                fit.copied().unwrap_or(Fit::NEW)
             };
-            let excess = (seen.value - gain(seen)) - (before.value - gain(before));
+            let (earlier, later) = (fit(before), fit(seen));
+            let excess =
+                (seen.value - later.gain / GAIN_UNITS) - (before.value - earlier.gain / GAIN_UNITS);
+            // What one gains the other loses: all together stay as they are, however long it goes.
+            let are_even = earlier.has_room() && later.has_room();
             for (sensor, excess) in [(before.sensor, -excess), (seen.sensor, excess)] {
                 if let Some(fit) = self.0.get_mut(usize::from(sensor)) {
                     fit.learn(excess);
+                    if are_even {
+                        fit.learn_gain(excess);
+                    }
                 }
             }
         }
@@ -177,5 +189,38 @@ impl<const BEAMS: usize> Fits<BEAMS> {
         let is_worse = |average: u16| worst > average.saturating_mul(2).saturating_add(CLEARLY);
         let better = judged().filter(|(average, _)| is_worse(*average)).count();
         (2 * better >= judged().count()).then_some(sensor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Otherwise chance would shift all of them over the days.
+    #[test]
+    fn what_one_sensor_is_found_to_read_more_the_others_read_less() {
+        let mut fits = Fits::<3>::NEW;
+        let reading = |sensor, turned, value| Reading {
+            sensor,
+            turned,
+            value,
+        };
+        for place in 0..200 {
+            fits.begin_place();
+            for [before, seen] in [[0, 1], [1, 2], [1, 0], [0, 1], [0, 1], [1, 2]] {
+                let value = |sensor: u8| {
+                    if sensor == 1 {
+                        1_200
+                    } else {
+                        1_000 + place % 7
+                    }
+                };
+                let before = reading(before, 0, value(before));
+                fits.compare(&before, &reading(seen, 30, value(seen)));
+            }
+        }
+        let gains = fits.0.map(|fit| i32::from(fit.gain));
+        assert_eq!(gains.iter().sum::<i32>(), 0, "{gains:?}");
+        assert!(gains[1] > 1_638, "{gains:?}");
     }
 }

@@ -9,8 +9,8 @@ const ROUNDING_MM: u16 = 3;
 /// Contacts that tell the size of the body.
 const CONTACTS: u8 = 3;
 
-/// How large the body is, as its contacts tell: at each one something is as near as its radius, or
-/// nearer things would have been seen.
+/// How large the body is, as its contacts tell: what it touches is as near as its radius, and what
+/// is nearest ahead is usually what it touches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Hull {
     /// Contacts so far, at most [`CONTACTS`].
@@ -33,13 +33,14 @@ impl Hull {
         self.contacts = self.contacts.saturating_add(1).min(CONTACTS);
     }
 
-    /// The body's radius, at least as large as it was told. What it touches unseen may be anywhere,
-    /// so the least of several distances counts.
+    /// The body's radius: as it was told, or up to twice that. What it touches unseen may be
+    /// anywhere, so the least of several distances counts, and a body that has touched only such
+    /// things is still able to move.
     fn radius_mm(self, told_mm: u16) -> u16 {
         if self.contacts < CONTACTS {
             return told_mm;
         }
-        told_mm.max(self.nearest_mm)
+        self.nearest_mm.min(told_mm.saturating_mul(2)).max(told_mm)
     }
 }
 
@@ -110,7 +111,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_least_of_three_distances_at_contacts_is_the_radius_unless_it_was_told_more() {
+    fn the_least_of_three_distances_at_contacts_is_the_radius_within_limits() {
         let radii = |distances_mm: &[u16], told_mm| {
             let mut hull = Hull::NEW;
             for distance_mm in distances_mm {
@@ -124,5 +125,6 @@ mod tests {
         assert_eq!(radii(&[260, 255, 290, 250], 200), 250);
         assert_eq!(radii(&[150, 255, 290], 200), 200, "as it was told");
         assert_eq!(radii(&[260; 300], 200), 260);
+        assert_eq!(radii(&[900, 1_200, 3_000], 200), 400, "things unseen");
     }
 }
