@@ -93,17 +93,14 @@ impl Fit {
         gain: 0,
     };
 
-    const fn has_room(self) -> bool {
-        self.here < PER_PLACE
-    }
-
     /// It reads more or less by `excess` than another sensor, beside what is known of both.
     fn learn(&mut self, excess: i16) {
-        if self.has_room() {
-            self.here += 1;
-            self.sum = self.sum - self.sum / PART + excess.unsigned_abs().min(MOST);
-            self.compared = (self.compared + 1).min(ENOUGH);
+        if self.here >= PER_PLACE {
+            return;
         }
+        self.here += 1;
+        self.sum = self.sum - self.sum / PART + excess.unsigned_abs().min(MOST);
+        self.compared = (self.compared + 1).min(ENOUGH);
     }
 
     fn learn_gain(&mut self, excess: i16) {
@@ -131,21 +128,17 @@ impl<const BEAMS: usize> Fits<BEAMS> {
     pub(super) fn compare(&mut self, before: &Reading, seen: &Reading) {
         // Two that look the same way at once stand apart for that: things beside it differ.
         if before.sensor != seen.sensor && before.turned != seen.turned {
-            let fit = |reading: &Reading| {
+            let gain = |reading: &Reading| {
                 let fit = self.0.get(usize::from(reading.sensor));
-                fit.copied().unwrap_or(Fit::NEW)
+                fit.map_or(0, |fit| fit.gain / GAIN_UNITS)
             };
-            let (earlier, later) = (fit(before), fit(seen));
-            let excess =
-                (seen.value - later.gain / GAIN_UNITS) - (before.value - earlier.gain / GAIN_UNITS);
-            // What one gains the other loses: all together stay as they are, however long it goes.
-            let are_even = earlier.has_room() && later.has_room();
+            let excess = (seen.value - gain(seen)) - (before.value - gain(before));
             for (sensor, excess) in [(before.sensor, -excess), (seen.sensor, excess)] {
                 if let Some(fit) = self.0.get_mut(usize::from(sensor)) {
                     fit.learn(excess);
-                    if are_even {
-                        fit.learn_gain(excess);
-                    }
+                    // Each time, also at a place that has told enough: what one gains the other
+                    // loses, so that chance does not shift all of them over the days.
+                    fit.learn_gain(excess);
                 }
             }
         }
@@ -161,7 +154,7 @@ impl<const BEAMS: usize> Fits<BEAMS> {
     /// A range as the others would have read it; a small difference may be chance.
     pub(super) fn corrected(&self, sensor: usize, range: Range) -> Range {
         let fit = self.0.get(sensor).copied().unwrap_or(Fit::NEW);
-        if fit.compared < ENOUGH || fit.gain.unsigned_abs() < LEAST_GAIN.unsigned_abs() {
+        if fit.compared < ENOUGH || fit.gain.abs() < LEAST_GAIN {
             return range;
         }
         let mm = i32::from(range.as_mm());
@@ -196,7 +189,6 @@ impl<const BEAMS: usize> Fits<BEAMS> {
 mod tests {
     use super::*;
 
-    /// Otherwise chance would shift all of them over the days.
     #[test]
     fn what_one_sensor_is_found_to_read_more_the_others_read_less() {
         let mut fits = Fits::<3>::NEW;

@@ -46,6 +46,7 @@ impl Arc {
         let left = left.filter(|(bit, _)| self.free & (1 << bit) == 0);
         let places = left.map(|(_, place)| place);
         let place = places.min_by_key(|place| place.abs()).unwrap_or(0);
+        // At most 2 times 127 units.
         let mm = |units: i8| (i32::from(place) * i32::from(units) * UNIT_MM) as i16;
         Displacement {
             dx_mm: mm(self.step.0),
