@@ -89,7 +89,7 @@ pub fn builds(check: &str) -> Result<Vec<String>, String> {
             Machine::MICROBIT,
             Machine::RISCV32_VIRT,
         ]
-    } else if check.contains("chip") || check.contains("--test bridge") {
+    } else if check.contains("chip") || check.contains("bridge::") {
         &[Machine::OLIMEX_H405]
     } else {
         &[]
@@ -148,10 +148,10 @@ mod tests {
         assert_eq!(count("cargo test -p amp-mind --lib -- shield"), Ok(1));
         assert_eq!(count("tests/campaign drift"), Ok(1));
         assert_eq!(count("tests/campaign chip-link --count 300"), Ok(2));
-        assert_eq!(count("cargo test -p tests --test bridge"), Ok(2));
-        assert_eq!(count("cargo test -p tests --test chip_faults"), Ok(2));
+        assert_eq!(count("cargo test -p tests --test all bridge::"), Ok(2));
+        assert_eq!(count("cargo test -p tests --test all chip_faults::"), Ok(2));
         assert_eq!(
-            count("cargo test -p tests --test chip_architectures"),
+            count("cargo test -p tests --test all chip_architectures::"),
             Ok(4)
         );
         assert_eq!(count("cd tests/chip && cargo test --test stack"), Ok(3));

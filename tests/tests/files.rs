@@ -1,5 +1,4 @@
 //! Input and output files: devices, pipes and links survive, no input hangs or fills the memory.
-#![cfg(unix)]
 
 use amp::config::Config;
 use remote::link::NodeServer;

@@ -1,6 +1,6 @@
 //! The output of whole episodes equals the goldens.
 //!
-//! `UPDATE_GOLDEN=1 cargo test -p tests --test golden` rewrites the goldens.
+//! `UPDATE_GOLDEN=1 cargo test -p tests --test all golden::` rewrites the goldens.
 
 use std::fs;
 use tests::{host_sim, root};

@@ -1,6 +1,7 @@
 //! Rules of the layout: dependencies between crates, length of files, head of each file.
 //!
-//! `UPDATE_GOLDEN=1 cargo test -p tests --test layout` rewrites the table in docs/architecture.md.
+//! `UPDATE_GOLDEN=1 cargo test -p tests --test all layout::` rewrites the table in
+//! docs/architecture.md.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -279,7 +280,7 @@ fn the_page_on_architecture_lists_every_file() {
         fs::write(&path, format!("{before}{BEGIN}{}", table(&files))).expect("written");
         return;
     }
-    let hint = "UPDATE_GOLDEN=1 cargo test -p tests --test layout";
+    let hint = "UPDATE_GOLDEN=1 cargo test -p tests --test all layout::";
     for file in &files {
         let place = format!("](../{}) | ", file.path);
         let row = listed.lines().find(|line| line.contains(&place));
