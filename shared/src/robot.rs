@@ -32,6 +32,8 @@ pub struct RobotSpec<const SENSORS: usize> {
     /// Longest time the base turns its wheels before it rolls, milliseconds; 0 for a base that
     /// rolls any way at once.
     pub steer_ms: u16,
+    /// Half the opening of the cone in which a transducer hears what is nearest.
+    pub half_cone: Bearing,
 }
 
 impl<const SENSORS: usize> RobotSpec<SENSORS> {
@@ -66,6 +68,7 @@ impl RobotSpec<8> {
             braking_mm_s2: 1_000,
             ring_period_ms: 40,
             steer_ms: 1_000,
+            half_cone: Bearing::from_turns(2_276),
         }
     }
 }

@@ -118,6 +118,7 @@ fn a_ring_of_24_leaves_the_wall() {
         braking_mm_s2: nomad.braking_mm_s2,
         ring_period_ms: 960,
         steer_ms: 6_000,
+        half_cone: nomad.half_cone,
     };
     let mut room = Round::<24>::new(Config::recommended().for_robot(robot), 3_000.0);
     room.explore_and_learn();

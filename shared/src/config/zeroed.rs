@@ -9,7 +9,7 @@ use crate::fixed::{Mask, Weight};
 use crate::robot::RobotSpec;
 use crate::scan::Encoding;
 use crate::som::{Edges, Neighborhood, Schedule};
-use crate::units::Direction;
+use crate::units::{Bearing, Direction};
 
 impl<const SENSORS: usize> Config<SENSORS> {
     /// All zeros: no transducer enabled, a step of no length, no epochs. A static node with it lies
@@ -32,6 +32,7 @@ impl<const SENSORS: usize> Config<SENSORS> {
                 braking_mm_s2: 0,
                 ring_period_ms: 0,
                 steer_ms: 0,
+                half_cone: Bearing::ZERO,
             },
             enabled: Mask::NONE,
             encoding: Encoding {

@@ -7,6 +7,7 @@ use super::{Component, Goal, GoalFrame};
 use crate::config::Config;
 use crate::fixed::Weight;
 use crate::units::{Bearing, Range};
+use micromath::F32Ext;
 
 /// A side of the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,6 +25,13 @@ const HALF_PLACE: u16 = 2_048;
 /// Binary turns between two bearings, at most half a turn.
 const fn apart(a: Bearing, b: Bearing) -> u16 {
     a.minus(b).as_signed_turns().unsigned_abs()
+}
+
+/// Cosine of at most 67.5°, to four digits.
+fn cosine(turns: u16) -> f32 {
+    let radians = f32::from(turns) * (core::f32::consts::PI / 32_768.0);
+    let square = radians * radians;
+    1.0 - square / 2.0 + square * square / 24.0 - square * square * square / 720.0
 }
 
 impl<const SENSORS: usize> Goal<SENSORS> {
@@ -52,9 +60,10 @@ impl<const SENSORS: usize> Goal<SENSORS> {
     pub fn wall(side: Side, range: Range, config: &Config<SENSORS>) -> Self {
         const RIGHT: Bearing = Bearing::from_turns(49_152);
         let face = u32::from(config.robot.face_radius_mm);
-        // How far a straight wall is along a lobe of ±12.5° whose axis lies one or two places
-        // beside the normal.
-        let slanted = |stretch_q10: u32| {
+        // How far a straight wall is along a lobe whose axis lies so far beside the normal.
+        let slanted = |off: u16| {
+            let edge = off.saturating_sub(config.robot.half_cone.as_turns());
+            let stretch_q10 = F32Ext::round(1_024.0 / cosine(edge)) as u32;
             let from_center = ((u32::from(range.as_mm()) + face) * stretch_q10) >> 10;
             u16::try_from(from_center.saturating_sub(face)).unwrap_or(u16::MAX)
         };
@@ -72,9 +81,10 @@ impl<const SENSORS: usize> Goal<SENSORS> {
                     weight: 15,
                     ..Component::equal(value(range.as_mm()))
                 },
-                (1, true) => at_most(slanted(1_040), 17),
-                (1, false) => at_most(slanted(1_040), 2),
-                (2, false) => at_most(slanted(1_214), 6),
+                (1, true) => at_most(slanted(4_096), 17),
+                (1, false) => at_most(slanted(4_096), 2),
+                (2, false) => at_most(slanted(8_192), 6),
+                (3, false) => at_most(further(500).min(slanted(12_288)), 2),
                 _ if apart(bearing, Bearing::ZERO) < 3 * HALF_PLACE * 2 => at_most(further(500), 2),
                 _ if apart(bearing, Bearing::from_turns(16_384)) <= 3 * HALF_PLACE => {
                     at_most(further(300), 2)
@@ -152,12 +162,11 @@ mod tests {
         Config::recommended()
     }
 
-    /// What an exact ring perceives beside an endless wall on its right, heading along it.
-    fn beside_a_wall(range_mm: f64) -> [Weight; 16] {
-        let config = config();
+    /// What an exact ring of cones perceives beside an endless wall on its right, heading along it.
+    fn beside_a_wall(config: &Config<16>, half_cone_deg: f64, range_mm: f64) -> [Weight; 16] {
         let face = f64::from(config.robot.face_radius_mm);
         core::array::from_fn(|place| {
-            let off = (place as f64 - 12.0).abs() * 22.5 - 12.5;
+            let off = (place as f64 - 12.0).abs() * 22.5 - half_cone_deg;
             let mm = (range_mm + face) / libm::cos(off.max(0.0).to_radians()) - face;
             let heard = (off < 89.0 && mm < 6_000.0).then(|| Range::from_mm(mm as u16));
             config.encoding.value(heard)
@@ -166,16 +175,20 @@ mod tests {
 
     #[test]
     fn a_wall_at_the_asked_distance_is_the_goal() {
-        let goal = Goal::wall(Side::Right, Range::from_mm(600), &config());
-        let deviation =
-            |mm: f64, places: usize| goal.cost(places, Mask::ALL, &beside_a_wall(mm), i64::MAX);
-        let here = deviation(600.0, 0);
-        assert!(here < 2_000, "{here}");
-        for (mm, places) in [(500.0, 0), (700.0, 0), (600.0, 2), (600.0, 14), (600.0, 8)] {
-            assert!(
-                deviation(mm, places) > 10 * here.max(1_000),
-                "{mm} {places}"
-            );
+        for (half_cone, half_cone_deg) in [(2_276, 12.5), (4_551, 25.0)] {
+            let mut config = config();
+            config.robot.half_cone = Bearing::from_turns(half_cone);
+            let goal = Goal::wall(Side::Right, Range::from_mm(600), &config);
+            let deviation = |mm: f64, places: usize| {
+                let seen = beside_a_wall(&config, half_cone_deg, mm);
+                goal.cost(places, Mask::ALL, &seen, i64::MAX)
+            };
+            let here = deviation(600.0, 0);
+            assert!(here < 2_000, "{here}");
+            for (mm, places) in [(500.0, 0), (700.0, 0), (600.0, 2), (600.0, 14), (600.0, 8)] {
+                let elsewhere = deviation(mm, places);
+                assert!(elsewhere > 10 * here.max(1_000), "{mm} {places}");
+            }
         }
     }
 

@@ -20,6 +20,7 @@ fn four_sensor_config() -> Config<4> {
         braking_mm_s2: 762,
         ring_period_ms: 640,
         steer_ms: 0,
+        half_cone: Bearing::ZERO,
     };
     let mut config = Config::recommended().for_robot(robot);
     config.planning = Planning {

@@ -43,6 +43,7 @@ fn ring<const SENSORS: usize>(size: Size, reading: &PaperReading) -> Vec<Count> 
         braking_mm_s2: nomad.braking_mm_s2,
         ring_period_ms: nomad.ring_period_ms,
         steer_ms: nomad.steer_ms,
+        half_cone: nomad.half_cone,
     };
     let config: Config<SENSORS> = reading.config.for_robot(robot);
     let sensor_model = SensorModel {

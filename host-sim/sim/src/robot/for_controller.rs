@@ -102,6 +102,8 @@ impl AnyRobot {
                 speed_mm_s: (limits.speed_m_s * 1e3).round() as u16,
                 ring_period_ms: (self.model.period_s * 1e3).round() as u16,
                 steer_ms: ((half_turn_s + 2.0) * 1e3) as u16,
+                // A point stands anywhere in its beam's cone, and a sector tells the nearest one.
+                half_cone: config.robot.half_cone.plus(bearing(self.half_cone_rad())),
                 ..config.robot
             },
             encoding: Encoding {
