@@ -32,7 +32,8 @@ pub struct RobotSpec<const SENSORS: usize> {
     /// Longest time the base turns its wheels before it rolls, milliseconds; 0 for a base that
     /// rolls any way at once.
     pub steer_ms: u16,
-    /// Half the opening of the cone in which a transducer hears what is nearest.
+    /// Half the opening of the cone in which a transducer hears what is nearest; of a ring read off
+    /// points, half a point's cone more.
     pub half_cone: Bearing,
 }
 
@@ -68,6 +69,7 @@ impl RobotSpec<8> {
             braking_mm_s2: 1_000,
             ring_period_ms: 40,
             steer_ms: 1_000,
+            // Unknown: that of the Nomad's sonars.
             half_cone: Bearing::from_turns(2_276),
         }
     }

@@ -27,7 +27,7 @@ const fn apart(a: Bearing, b: Bearing) -> u16 {
     a.minus(b).as_signed_turns().unsigned_abs()
 }
 
-/// Cosine of at most 67.5°, to four digits.
+/// Cosine of at most 79°, to three digits; a unit vector's would be a millimeter off.
 fn cosine(turns: u16) -> f32 {
     let radians = f32::from(turns) * (core::f32::consts::PI / 32_768.0);
     let square = radians * radians;
@@ -81,10 +81,10 @@ impl<const SENSORS: usize> Goal<SENSORS> {
                     weight: 15,
                     ..Component::equal(value(range.as_mm()))
                 },
-                (1, true) => at_most(slanted(4_096), 17),
-                (1, false) => at_most(slanted(4_096), 2),
-                (2, false) => at_most(slanted(8_192), 6),
-                (3, false) => at_most(further(500).min(slanted(12_288)), 2),
+                (1, true) => at_most(slanted(off), 17),
+                (1, false) => at_most(slanted(off), 2),
+                (2, false) => at_most(slanted(off), 6),
+                (3, false) => at_most(further(500).min(slanted(off)), 2),
                 _ if apart(bearing, Bearing::ZERO) < 3 * HALF_PLACE * 2 => at_most(further(500), 2),
                 _ if apart(bearing, Bearing::from_turns(16_384)) <= 3 * HALF_PLACE => {
                     at_most(further(300), 2)

@@ -39,7 +39,7 @@ impl RobotSpec<16> {
             ring_period_ms: 640,
             // Half a turn at 45 °/s and 30 °/s² takes 5.5 s.
             steer_ms: 6_000,
-            // ±12.5°
+            // Sonars of 25°.
             half_cone: Bearing::from_turns(2_276),
         }
     }
