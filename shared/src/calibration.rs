@@ -272,11 +272,16 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
     /// Compares a reading with those of other sensors at this place, and keeps it.
     fn compare(&mut self, seen: Reading, known: Option<&KnownBearings<BEAMS>>) {
         let view = known.map(|known| known.same_view(&seen));
+        let silence = logarithm(None);
         for before in &self.readings {
             if let Some(is_same) = view.as_ref().and_then(|view| view.has(before)) {
                 if is_same {
                     self.fits.compare(before, &seen);
                 }
+                continue;
+            }
+            // Two sensors that hear nothing need not look at the same place.
+            if seen.value >= silence && before.value >= silence {
                 continue;
             }
             let turned = seen.turned.saturating_sub(before.turned);

@@ -308,7 +308,11 @@ where
 
     /// Gives the controller the ring of sectors; its motion goes out in the body's frame.
     fn decide(&mut self) -> Outputs<SECTORS> {
-        let (ring, known) = self.turret.memory.ring(&self.body.points);
+        let (ring, mut known) = self.turret.memory.ring(&self.body.points);
+        // Where no sensor hears anything it is open: a robot that waited for an echo would wait for ever.
+        if known == Mask::NONE {
+            known = Mask::ALL;
+        }
         self.turret.last_ring = ring;
         self.turret.fresh = Mask::NONE;
         self.controller.set_visible(known);

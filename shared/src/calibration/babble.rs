@@ -28,6 +28,9 @@ const TURNING_MM: i32 = 2;
 /// Shortest move, millimeters: enough to make the base turn.
 const SHORTEST_MM: u16 = 5;
 
+/// Moves in which nothing was heard that do not count, at most.
+const SILENT_MOVES: u8 = 64;
+
 /// Moves at random and learns where the sensors look.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Babble<const BEAMS: usize> {
@@ -35,6 +38,8 @@ pub struct Babble<const BEAMS: usize> {
     generator: Option<Xoshiro128PlusPlus>,
     moves_left: u16,
     moves_made: u16,
+    /// Moves from where nothing was heard.
+    silent_moves: u8,
     /// Sensors heard since the last move ended.
     fresh: Mask,
     ranges: [Option<Range>; BEAMS],
@@ -55,6 +60,7 @@ impl<const BEAMS: usize> Babble<BEAMS> {
             generator: None,
             moves_left: 0,
             moves_made: 0,
+            silent_moves: 0,
             fresh: Mask::NONE,
             ranges: [None; BEAMS],
         }
@@ -64,7 +70,7 @@ impl<const BEAMS: usize> Babble<BEAMS> {
     pub fn begin(&mut self, moves: u16, seed: u64) {
         self.calibration.clear();
         self.generator = Some(Xoshiro128PlusPlus::seed_from_u64(seed));
-        (self.moves_left, self.moves_made) = (moves, 0);
+        (self.moves_left, self.moves_made, self.silent_moves) = (moves, 0, 0);
         self.fresh = Mask::NONE;
         self.ranges = [None; BEAMS];
     }
@@ -130,6 +136,12 @@ impl<const BEAMS: usize> Babble<BEAMS> {
         if is_moving || self.moves_left == 0 || !self.has_heard_all(limits) {
             return None;
         }
+        // Where nothing is heard there is nothing to learn.
+        let is_silent = self.ranges.iter().all(Option::is_none);
+        if is_silent && self.silent_moves < SILENT_MOVES {
+            self.silent_moves += 1;
+            return Some(self.move_on(limits));
+        }
         self.moves_left -= 1;
         self.moves_made = self.moves_made.wrapping_add(1);
         Some(self.next_move(limits))
@@ -146,6 +158,14 @@ impl<const BEAMS: usize> Babble<BEAMS> {
         }
         let left = self.calibration.front().plus(Bearing::from_turns(*part));
         Displacement::along(left, TURNING_MM)
+    }
+
+    /// About where the base goes ahead, as far as it may: random moves would stay in the open.
+    fn move_on(&mut self, limits: &BabbleLimits) -> Displacement {
+        // Up to 45 degrees to either side.
+        let aside = Bearing::from_turns(self.random() as u16 / 4).minus(Bearing::of_place(1, 8));
+        let bearing = self.calibration.front().plus(aside);
+        Displacement::along(bearing, limits.longest_mm.into())
     }
 
     /// Any bearing; no farther than the nearest thing heard, less the margin.

@@ -36,6 +36,8 @@ struct Rig {
     /// What the base takes for 4 096 of a length or a turn, and where it takes its front to be.
     actuation: Actuation,
     moves: u32,
+    /// Nothing farther away is heard.
+    reach_mm: f64,
     /// Least distance of the body from a wall of the room.
     least_gap_m: f64,
 }
@@ -58,6 +60,7 @@ impl Rig {
             dead: Vec::new(),
             actuation: Actuation::EXACT,
             moves: 0,
+            reach_mm: f64::INFINITY,
             least_gap_m: f64::INFINITY,
         }
     }
@@ -66,7 +69,8 @@ impl Rig {
         let mut next = None;
         for (sensor, bearing) in BEARINGS.into_iter().enumerate() {
             let mm = range_mm(self.x, self.y, self.heading + bearing.to_radians());
-            let range = (!self.dead.contains(&sensor)).then(|| Range::from_mm(mm as u16));
+            let is_heard = !self.dead.contains(&sensor) && mm <= self.reach_mm;
+            let range = is_heard.then(|| Range::from_mm(mm as u16));
             let heard = self
                 .babble
                 .hear(&self.limits, sensor, range, is_moving || next.is_some());
@@ -201,6 +205,42 @@ fn random_moves_end_before_the_nearest_thing() {
     rig.run();
     // Two of the rays are 57° apart: between them a wall may be nearer than they hear.
     assert!(rig.least_gap_m > -0.03, "{} m", rig.least_gap_m);
+}
+
+/// In the open it goes on, and its moves do not count, but not for ever.
+#[test]
+fn moves_where_nothing_is_heard_do_not_count() {
+    let mut rig = Rig::new(5, 3);
+    rig.reach_mm = 0.0;
+    for silent in 0..64 {
+        let next = rig.listen(false).expect("a move");
+        let aside = next.bearing().as_signed_turns().unsigned_abs();
+        assert!(
+            (248..=251).contains(&next.length_mm()),
+            "{silent}: {next:?}"
+        );
+        assert!(aside <= 8_192 + 50, "{silent}: {next:?}");
+        assert_eq!(rig.babble.moves_left(), 5);
+        rig.babble.move_ended();
+    }
+    assert!(rig.listen(false).is_some());
+    assert_eq!(rig.babble.moves_left(), 4);
+}
+
+#[test]
+fn two_sensors_that_hear_nothing_are_not_compared() {
+    let compared = |before: Option<u16>, after: Option<u16>| {
+        let mut calibration = Calibration::<8>::new();
+        calibration.hear(0, before.map(Range::from_mm), None);
+        calibration.moved(Displacement::ZERO, of_degrees(90.0));
+        calibration.hear(1, after.map(Range::from_mm), None);
+        let bins = calibration.dissimilarity.as_flattened().as_flattened();
+        bins.iter().filter(|bin| bin.mean().is_some()).count()
+    };
+    assert_eq!(compared(None, None), 0);
+    assert_eq!(compared(None, Some(900)), 1);
+    assert_eq!(compared(Some(900), None), 1);
+    assert_eq!(compared(Some(900), Some(900)), 1);
 }
 
 #[test]

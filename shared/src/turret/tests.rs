@@ -494,18 +494,28 @@ fn where_nothing_is_known_a_body_turns_until_it_has_seen_all() {
     }
 }
 
-/// Nothing is within the reach of its sonars, wherever it looks: it does not look without end.
+/// Nothing is within the reach of its sonars, wherever it looks: it does not look without end, and
+/// goes where its user has said that the place may be open.
 #[test]
 fn where_nothing_is_heard_a_body_looks_around_once() {
-    let mut rig = Rig::new(BodySpec {
-        first_looks: 12,
-        ..ring_body(None)
-    });
-    rig.command(Command::Explore { moves: 9, seed: 5 });
-    for look in 0..12 {
-        let motion = rig.hear([None; 16]).expect("a turn");
-        assert!(motion.displacement.length_mm() <= 4, "{look}: {motion:?}");
-        rig.report(motion, Displacement::ZERO, 30, Progress::Ended);
+    for open_space in [false, true] {
+        let mut rig = Rig::new(BodySpec {
+            first_looks: 12,
+            ..ring_body(None)
+        });
+        rig.state.expect_open_space(open_space);
+        rig.command(Command::Explore { moves: 9, seed: 5 });
+        for look in 0..12 {
+            let motion = rig.hear([None; 16]).expect("a turn");
+            assert!(motion.displacement.length_mm() <= 4, "{look}: {motion:?}");
+            rig.report(motion, Displacement::ZERO, 30, Progress::Ended);
+        }
+        let mut moves = 0;
+        while let Some(motion) = rig.hear([None; 16]) {
+            assert!(motion.displacement.length_mm() > 4, "{motion:?}");
+            rig.report(motion, motion.displacement, 0, Progress::Ended);
+            moves += 1;
+        }
+        assert_eq!(moves, if open_space { 9 } else { 2 });
     }
-    assert_eq!(rig.hear([None; 16]), None);
 }
