@@ -309,7 +309,7 @@ where
     /// Gives the controller the ring of sectors; its motion goes out in the body's frame.
     fn decide(&mut self) -> Outputs<SECTORS> {
         let (ring, mut known) = self.turret.memory.ring(&self.body.points);
-        // Where no sensor hears anything it is open: a robot that waited for an echo would wait for ever.
+        // Where nothing is heard it is open: who waited for an echo would wait for ever.
         if known == Mask::NONE {
             known = Mask::ALL;
         }
