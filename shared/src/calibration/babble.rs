@@ -136,8 +136,8 @@ impl<const BEAMS: usize> Babble<BEAMS> {
         if is_moving || self.moves_left == 0 || !self.has_heard_all(limits) {
             return None;
         }
-        // Where nothing is heard there is nothing to learn.
-        let is_silent = self.ranges.iter().all(Option::is_none);
+        // Where nothing is heard there is nothing to learn. A turn once around stays in its place.
+        let is_silent = self.ranges.iter().all(Option::is_none) && !self.is_turning_around(limits);
         if is_silent && self.silent_moves < SILENT_MOVES {
             self.silent_moves += 1;
             return Some(self.move_on(limits));
@@ -145,6 +145,11 @@ impl<const BEAMS: usize> Babble<BEAMS> {
         self.moves_left -= 1;
         self.moves_made = self.moves_made.wrapping_add(1);
         Some(self.next_move(limits))
+    }
+
+    /// Whether the turn once around has begun and is not over.
+    fn is_turning_around(&self, limits: &BabbleLimits) -> bool {
+        limits.learns_actuation && (2..=PARTS.len()).contains(&usize::from(self.moves_made))
     }
 
     fn next_move(&mut self, limits: &BabbleLimits) -> Displacement {
@@ -165,11 +170,11 @@ impl<const BEAMS: usize> Babble<BEAMS> {
         // Up to 45 degrees to either side.
         let aside = Bearing::from_turns(self.random() as u16 / 4).minus(Bearing::of_place(1, 8));
         let bearing = self.calibration.front().plus(aside);
-        Displacement::along(bearing, limits.longest_mm.into())
+        Displacement::along(bearing, self.free_mm(limits).into())
     }
 
-    /// Any bearing; no farther than the nearest thing heard, less the margin.
-    fn random_move(&mut self, limits: &BabbleLimits) -> Displacement {
+    /// How far a move may go whatever its bearing: to the nearest thing heard, less the margin.
+    fn free_mm(&self, limits: &BabbleLimits) -> u16 {
         let nearest = self.ranges.iter().flatten().min();
         let free_mm = nearest.map_or(limits.longest_mm, |nearest| {
             nearest.as_mm().saturating_sub(limits.margin_mm)
@@ -179,7 +184,12 @@ impl<const BEAMS: usize> Babble<BEAMS> {
         } else {
             free_mm
         };
-        let longest = u64::from(free_mm.min(limits.longest_mm).max(SHORTEST_MM));
+        free_mm.min(limits.longest_mm).max(SHORTEST_MM)
+    }
+
+    /// Any bearing and length.
+    fn random_move(&mut self, limits: &BabbleLimits) -> Displacement {
+        let longest = u64::from(self.free_mm(limits));
         let bearing = Bearing::from_turns(self.random() as u16);
         let length = (u64::from(self.random()) * longest) >> 32;
         Displacement::along(bearing, (length as i32).max(SHORTEST_MM.into()))

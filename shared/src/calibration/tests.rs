@@ -227,6 +227,27 @@ fn moves_where_nothing_is_heard_do_not_count() {
     assert_eq!(rig.babble.moves_left(), 4);
 }
 
+/// It would end somewhere else, and tell nothing.
+#[test]
+fn a_turn_once_around_is_not_left_where_nothing_is_heard() {
+    let mut rig = Rig::new(20, 3);
+    rig.limits.learns_actuation = true;
+    for _ in 0..2 {
+        assert!(rig.listen(false).is_some());
+        rig.babble.move_ended();
+    }
+    rig.reach_mm = 0.0;
+    for left in (12..18).rev() {
+        assert_eq!(rig.listen(false).map(Displacement::length_mm), Some(2));
+        assert_eq!(rig.babble.moves_left(), left);
+        rig.babble.move_ended();
+    }
+    // A base that goes farther than it thinks has less room.
+    let next = rig.listen(false).expect("a move");
+    assert!((160..=170).contains(&next.length_mm()), "{next:?}");
+    assert_eq!(rig.babble.moves_left(), 12);
+}
+
 #[test]
 fn two_sensors_that_hear_nothing_are_not_compared() {
     let compared = |before: Option<u16>, after: Option<u16>| {
