@@ -112,6 +112,8 @@ pub struct Calibration<const BEAMS: usize> {
     readings: Vec<Reading, READINGS>,
     latest: [Option<Latest>; BEAMS],
     slopes: Vec<Slope, SLOPES>,
+    /// Draws the slope that goes.
+    draw: u16,
     /// Of each sensor: mean of its readings, and mean deviation from that in sixteenths.
     means: [Option<(i32, i32)>; BEAMS],
     full_turn: FullTurn,
@@ -141,6 +143,7 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
             readings: Vec::new(),
             latest: [None; BEAMS],
             slopes: Vec::new(),
+            draw: 0,
             means: [None; BEAMS],
             full_turn: FullTurn::NEW,
             fits: Fits::NEW,
@@ -160,6 +163,7 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
         self.readings.clear();
         self.latest = [None; BEAMS];
         self.slopes.clear();
+        self.draw = 0;
         self.means = [None; BEAMS];
         self.full_turn = FullTurn::NEW;
         self.fits = Fits::NEW;
@@ -218,7 +222,9 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
             turned: (self.turned >> 6) as i16,
             value: logarithm(range),
         };
-        self.note_spread(sensor, seen.value.into());
+        if known.is_some() || !self.is_silent_again(sensor, range) {
+            self.note_spread(sensor, seen.value.into());
+        }
         self.compare(seen, known);
         self.note_slope(sensor, range);
     }
@@ -255,6 +261,12 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
         self.readings
             .retain(|reading| usize::from(reading.sensor) != sensor);
         self.fits.forget(sensor);
+    }
+
+    /// Silence after silence: where a body finds its sensors it tells nothing, and would make one that
+    /// hears little look dead.
+    fn is_silent_again(&self, sensor: usize, range: Option<Range>) -> bool {
+        range.is_none() && self.latest.get(sensor).is_some_and(Option::is_none)
     }
 
     fn note_spread(&mut self, sensor: usize, value: i32) {
@@ -322,14 +334,23 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
         if change_mm.abs() > ahead_mm.abs() * LARGEST_SLOPE_TENTHS / 10 + 20 {
             return;
         }
-        if self.slopes.is_full() {
-            self.slopes.remove(0);
-        }
-        let _ = self.slopes.push(Slope {
+        self.keep_slope(Slope {
             sensor: sensor as u8,
             ahead_4mm: crate::units::div_round(ahead_mm, 4) as i8,
             change_mm: change_mm as i16,
         });
+    }
+
+    /// Where no room is left, a slope of any age goes: the latest alone would all be of one part of
+    /// the room.
+    fn keep_slope(&mut self, slope: Slope) {
+        if let Err(slope) = self.slopes.push(slope) {
+            self.draw = self.draw.wrapping_mul(25_173).wrapping_add(13_849);
+            let replaced = (usize::from(self.draw) * SLOPES) >> 16;
+            if let Some(place) = self.slopes.get_mut(replaced) {
+                *place = slope;
+            }
+        }
     }
 
     /// Sensors whose readings vary: the others are dead or missing.

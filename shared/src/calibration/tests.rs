@@ -265,6 +265,46 @@ fn two_sensors_that_hear_nothing_are_not_compared() {
 }
 
 #[test]
+fn a_sensor_that_hears_little_is_not_dead() {
+    let mut calibration = Calibration::<8>::new();
+    for mm in [700, 900, 600] {
+        calibration.hear(0, Some(Range::from_mm(mm)), None);
+    }
+    for _ in 0..300 {
+        calibration.hear(0, None, None);
+        calibration.hear(1, None, None);
+    }
+    assert_eq!(calibration.alive(), Mask::NONE.with(0));
+    // Where it is known where they look, one that falls silent has failed.
+    let known = KnownBearings {
+        bearings: [Some(Bearing::ZERO); 8],
+        turn_q12: 4_096,
+    };
+    for _ in 0..300 {
+        calibration.hear(0, None, Some(&known));
+    }
+    assert_eq!(calibration.alive(), Mask::NONE);
+}
+
+#[test]
+fn slopes_of_any_age_are_kept() {
+    let mut calibration = Calibration::<8>::new();
+    for change_mm in 0..1_024 {
+        calibration.keep_slope(Slope {
+            sensor: 0,
+            ahead_4mm: 60,
+            change_mm,
+        });
+    }
+    let slopes = &calibration.slopes;
+    assert_eq!(slopes.len(), 512);
+    let old = slopes.iter().filter(|slope| slope.change_mm < 512).count();
+    // 1/e of them.
+    assert!((150..=230).contains(&old), "{old}");
+    assert!(slopes.iter().any(|slope| slope.change_mm == 1_023));
+}
+
+#[test]
 fn a_turn_back_is_a_turn_on_of_the_pair_exchanged() {
     for bin in 0..BINS {
         let here = place((3, 5), bin);
