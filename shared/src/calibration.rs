@@ -263,8 +263,8 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
         self.fits.forget(sensor);
     }
 
-    /// Silence after silence: where a body finds its sensors it tells nothing, and would make one that
-    /// hears little look dead.
+    /// Silence after silence: where a body finds its sensors it tells nothing, and would make one
+    /// that hears little look dead.
     fn is_silent_again(&self, sensor: usize, range: Option<Range>) -> bool {
         range.is_none() && self.latest.get(sensor).is_some_and(Option::is_none)
     }

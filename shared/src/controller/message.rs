@@ -54,7 +54,7 @@ pub enum StopReason {
     /// find its sensors heard nothing by which to tell them apart.
     #[serde(alias = "NoEchoes")]
     NoEchoes,
-    /// A motion had not ended at its deadline: twice its distance over its speed, plus 0.5 s.
+    /// A motion had not ended at its deadline: twice its distance over its speed, plus 1 s.
     Overdue,
     /// The emergency stop was pressed, or its wire is broken.
     EmergencyStop,

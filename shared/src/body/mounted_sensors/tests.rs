@@ -216,7 +216,7 @@ fn a_random_move_that_does_not_end_stops_the_robot() {
     let motion = rig.hear().motion.expect("a random move");
     let longest_ms = 6_000
         + 2_000 * u32::from(motion.displacement.length_mm()) / u32::from(motion.speed_mm_s)
-        + 500;
+        + 1_000;
     let began = rig.ms;
     while rig.ms + 1 < began + longest_ms {
         assert_eq!(rig.handle(Event::Tick).stopped, None);

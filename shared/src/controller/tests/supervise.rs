@@ -92,9 +92,9 @@ fn a_transducer_that_is_not_heard_for_two_periods_stops_a_moving_robot() {
 fn a_motion_that_does_not_end_by_its_deadline_stops_the_robot() {
     let (mut bench, motion) = Bench::moving();
     let (began, distance_mm) = (bench.time, u32::from(motion.displacement.length_mm()));
-    // All the way at 508 mm/s, twice, and half a second.
+    // All the way at 508 mm/s, twice, and a second.
     assert_eq!((distance_mm, motion.speed_mm_s), (247, 508));
-    let longest_ms = 2_000 * 247 / 508 + 500;
+    let longest_ms = 2_000 * 247 / 508 + 1_000;
     for time in (began..=began + longest_ms).step_by(10) {
         bench.says_at(time);
         bench.report(time, motion.id, 0, Progress::Moving);
@@ -145,7 +145,7 @@ fn a_motion_that_is_made_slower_may_take_as_much_longer() {
     // What is left takes longer now.
     let twice_mm = 2_000 * u32::from(slow.displacement.length_mm());
     let slower_ms = twice_mm / u32::from(slow.speed_mm_s) - twice_mm / 508;
-    let longest_ms = 2_000 * 247 / 508 + 500 + slower_ms;
+    let longest_ms = 2_000 * 247 / 508 + 1_000 + slower_ms;
     assert!(slower_ms > 100);
     for time in (began + 41..=began + longest_ms).step_by(100) {
         bench.says_at(time);

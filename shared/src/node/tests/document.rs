@@ -294,15 +294,18 @@ fn a_motion_of_no_length_has_to_be_reported_as_well() {
         // So near that the shield allows no way at all.
         let command = motion(&rig.ring(0)).unwrap();
         assert_eq!((command.dx_mm, command.dy_mm), (0, 0));
+        let began = rig.now;
         if is_reported {
             rig.carried_out(command);
         }
         rig.now += 200;
         assert_eq!(motion(&rig.ring(0)).is_some(), is_reported);
-        rig.now += 301;
-        let at_ms = rig.at_ms();
-        rig.send(HostMessage::Alive { at_ms });
-        let stopped = is_stopped(&rig.tick().1, StopReason::Overdue);
-        assert_eq!(stopped, !is_reported);
+        for after_ms in [400, 600, 800, 1_000, 1_001] {
+            rig.now = began + after_ms;
+            let at_ms = rig.at_ms();
+            rig.send(HostMessage::Alive { at_ms });
+            let stopped = is_stopped(&rig.tick().1, StopReason::Overdue);
+            assert_eq!(stopped, !is_reported && after_ms == 1_001, "{after_ms}");
+        }
     }
 }
