@@ -104,8 +104,13 @@ const BOARDS: [[&str; 3]; 2] = [
     ["microbit", "microbit", "thumbv6m-none-eabi"],
 ];
 
+/// Images share what they are linked from, as in the checks.
+const SHARED: &str = "CARGO_BUILD_BUILD_DIR=target";
+
 fn board_image([package, program, target]: [&str; 3]) -> String {
-    format!("cargo build --locked -p {package} --bin {program} --profile chip --target {target}")
+    format!(
+        "{SHARED} cargo build --locked -p {package} --bin {program} --profile chip --target {target}"
+    )
 }
 
 /// Builds an image at the place where the check expects it.
@@ -118,7 +123,7 @@ fn image(machine: &Machine) -> String {
         ..
     } = machine;
     format!(
-        "cargo build --locked -p {package} --bin {program} --features '{features}' --profile chip --target {target} --target-dir target/qemu"
+        "{SHARED} cargo build --locked -p {package} --bin {program} --features '{features}' --profile chip --target {target} --target-dir target/qemu"
     )
 }
 

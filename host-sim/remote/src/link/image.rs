@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 const PROFILE: &str = "chip";
 
 /// Builds the image for a machine and returns its path. It has its own target folder, so the
-/// board's image stays.
+/// board's image stays; what both are linked from is compiled once.
 ///
 /// # Errors
 /// [`LinkError::Open`] without the sources, without cargo, or when the build fails.
@@ -26,6 +26,7 @@ pub fn build(machine: &Machine) -> Result<PathBuf, LinkError> {
         .args(["--profile", PROFILE, "--target", machine.target])
         .arg("--target-dir")
         .arg(&folder)
+        .env("CARGO_BUILD_BUILD_DIR", root.join("target"))
         .stdin(Stdio::null())
         // The compiler writes to standard error; standard output is for results.
         .stdout(Stdio::null())

@@ -70,7 +70,8 @@ pub fn project() -> PathBuf {
     workspace().join("../..")
 }
 
-/// Runs cargo in `folder`, with this workspace's target folder.
+/// Runs cargo in `folder`, with this workspace's target folder. What programs are linked from is
+/// shared with the main workspace.
 ///
 /// # Panics
 /// There is no cargo.
@@ -80,7 +81,8 @@ pub fn cargo(folder: &Path, line: &str) -> Output {
     cargo
         .args(line.split_whitespace())
         .current_dir(folder)
-        .env("CARGO_TARGET_DIR", target_folder());
+        .env("CARGO_TARGET_DIR", target_folder())
+        .env("CARGO_BUILD_BUILD_DIR", project().join("target"));
     cargo.output().expect("cargo starts")
 }
 
