@@ -89,7 +89,12 @@ where
         let Some(under_way) = self.turret.motion else {
             return Outputs::NONE;
         };
-        let displacement = self.guarded(self.turret.rest_of(under_way));
+        let rest = self.turret.rest_of(under_way);
+        let displacement = self.guarded(rest);
+        // A base that takes another course than it was sent on goes to its end where nothing stands.
+        if displacement == rest && rest != Displacement::ZERO {
+            return Outputs::NONE;
+        }
         let (ordered_mm, left_mm) = (under_way.displacement.length_mm(), displacement.length_mm());
         if ordered_mm.saturating_sub(left_mm) <= ROUNDING_MM {
             return Outputs::NONE;

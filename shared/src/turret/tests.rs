@@ -239,6 +239,21 @@ fn a_base_that_rolls_is_shortened_along_its_course() {
     }
 }
 
+/// What its odometry tells is wrong, or it slips: without need it is not sent elsewhere on its way.
+#[test]
+fn a_base_on_another_course_goes_to_its_end() {
+    for guard_mm in [None, Some(50)] {
+        let mut rig = Rig::new(ring_body(guard_mm));
+        rig.config.exploration.shortest_mm = 200;
+        rig.command(Command::Explore { moves: 9, seed: 4 });
+        let motion = rig.hear([Some(2_000); 16]).expect("a random move");
+        let askew = motion.displacement.bearing().plus(Bearing::of_place(1, 8));
+        let moved = Displacement::along(askew, 60);
+        rig.report(motion, moved, 0, Progress::Moving);
+        assert_eq!(rig.hear([Some(2_000); 16]), None, "{guard_mm:?}");
+    }
+}
+
 /// The robot is about to roll and sees something near where it thought the way was free.
 #[test]
 fn a_robot_that_seeks_decides_again_before_it_rolls_at_most_three_times() {
