@@ -91,7 +91,7 @@ where
         };
         let rest = self.turret.rest_of(under_way);
         let displacement = self.guarded(rest);
-        // A base that takes another course than it was sent on goes to its end where nothing stands.
+        // A base that takes another course than it was sent on goes to its end.
         if displacement == rest && rest != Displacement::ZERO {
             return Outputs::NONE;
         }
