@@ -104,7 +104,7 @@ const BOARDS: [[&str; 3]; 2] = [
     ["microbit", "microbit", "thumbv6m-none-eabi"],
 ];
 
-/// Images share what they are linked from, as in the checks.
+/// Where all images keep what they are linked from, as in the checks.
 const SHARED: &str = "CARGO_BUILD_BUILD_DIR=target";
 
 fn board_image([package, program, target]: [&str; 3]) -> String {

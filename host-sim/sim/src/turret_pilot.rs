@@ -328,7 +328,7 @@ mod tests {
         assert!(places(true) > 20);
     }
 
-    /// Of 192 drives one does.
+    /// It happened once in 192 drives of the first four robots, rooms 300 to 323.
     #[test]
     fn a_sensor_in_order_is_hardly_ever_taken_for_a_moved_one() {
         let mut mistaken = Vec::new();
