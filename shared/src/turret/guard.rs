@@ -91,8 +91,8 @@ where
         };
         let rest = self.turret.rest_of(under_way);
         let displacement = self.guarded(rest);
-        // Without an obstacle the order stands, whatever course the base takes; a way that is over by
-        // the odometry ends now.
+        // Without an obstacle the order stands, whatever course the base takes. A way that is over
+        // by the odometry ends now.
         if displacement == rest && rest != Displacement::ZERO {
             return Outputs::NONE;
         }
