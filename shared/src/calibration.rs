@@ -21,12 +21,14 @@ mod costs;
 mod fit;
 mod front;
 mod full_turn;
+mod slopes;
 mod solver;
 
 pub use babble::{Babble, BabbleLimits};
 use fit::Fits;
 pub use fit::KnownBearings;
 use full_turn::FullTurn;
+use slopes::Slopes;
 pub use solver::{LearnedBody, Solver};
 
 /// Turns are told apart in so many steps of 5.6°.
@@ -35,14 +37,8 @@ const BINS: usize = 64;
 const HALF_BINS: usize = BINS / 2;
 /// Readings at this place that are compared with a new one: twelve rings of 16.
 const READINGS: usize = 192;
-/// Changes of range along straight moves that are kept.
-const SLOPES: usize = 512;
 /// The place is left after so much travel, millimeters.
 const LEFT_MM: u32 = 20;
-/// A range's change over less or more travel than this tells nothing, millimeters.
-const SLOPE_MM: core::ops::RangeInclusive<i32> = 30..=500;
-/// A range changes by at most so much of the travel, tenths: a base may go farther than it thinks.
-const LARGEST_SLOPE_TENTHS: i32 = 16;
 /// Half a turn in 1/1 024 turn.
 const HALF_TURN: u16 = 512;
 /// Bearings within 1° are the same heading.
@@ -69,16 +65,6 @@ struct Latest {
     range: Range,
     heading: Bearing,
     traveled_mm: i32,
-}
-
-/// How a sensor's range changed along a straight move.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Slope {
-    sensor: u8,
-    /// Travel ahead in units of 4 mm; negative backwards.
-    ahead_4mm: i8,
-    /// Change of the range, millimeters.
-    change_mm: i16,
 }
 
 /// How dissimilar the readings of two sensors are after a turn: 1 more than a running average, 1 =
@@ -111,9 +97,7 @@ pub struct Calibration<const BEAMS: usize> {
     dissimilarity: [[[Dissimilarity; HALF_BINS]; BEAMS]; BEAMS],
     readings: Vec<Reading, READINGS>,
     latest: [Option<Latest>; BEAMS],
-    slopes: Vec<Slope, SLOPES>,
-    /// Draws the slope that goes.
-    draw: u16,
+    slopes: Slopes<BEAMS>,
     /// Of each sensor: mean of its readings, and mean deviation from that in sixteenths.
     means: [Option<(i32, i32)>; BEAMS],
     full_turn: FullTurn,
@@ -142,8 +126,7 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
             dissimilarity: [[[Dissimilarity::NONE; HALF_BINS]; BEAMS]; BEAMS],
             readings: Vec::new(),
             latest: [None; BEAMS],
-            slopes: Vec::new(),
-            draw: 0,
+            slopes: Slopes::NEW,
             means: [None; BEAMS],
             full_turn: FullTurn::NEW,
             fits: Fits::NEW,
@@ -163,7 +146,6 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
         self.readings.clear();
         self.latest = [None; BEAMS];
         self.slopes.clear();
-        self.draw = 0;
         self.means = [None; BEAMS];
         self.full_turn = FullTurn::NEW;
         self.fits = Fits::NEW;
@@ -251,8 +233,7 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
                 }
             }
         }
-        self.slopes
-            .retain(|slope| usize::from(slope.sensor) != sensor);
+        self.slopes.forget(sensor);
         if let (Some(latest), Some(mean)) =
             (self.latest.get_mut(sensor), self.means.get_mut(sensor))
         {
@@ -326,30 +307,9 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
         };
         let turned = after.heading.minus(before.heading).as_signed_turns();
         let ahead_mm = after.traveled_mm.wrapping_sub(before.traveled_mm);
-        if turned.unsigned_abs() > SAME_HEADING || !SLOPE_MM.contains(&ahead_mm.abs()) {
-            return;
-        }
-        let change_mm = i32::from(after.range.as_mm()) - i32::from(before.range.as_mm());
-        // A range cannot change by more than the travel; what does belongs to another surface.
-        if change_mm.abs() > ahead_mm.abs() * LARGEST_SLOPE_TENTHS / 10 + 20 {
-            return;
-        }
-        self.keep_slope(Slope {
-            sensor: sensor as u8,
-            ahead_4mm: crate::units::div_round(ahead_mm, 4) as i8,
-            change_mm: change_mm as i16,
-        });
-    }
-
-    /// Where no room is left, a slope of any age goes: the latest alone would all be of one part of
-    /// the room.
-    fn keep_slope(&mut self, slope: Slope) {
-        if let Err(slope) = self.slopes.push(slope) {
-            self.draw = self.draw.wrapping_mul(25_173).wrapping_add(13_849);
-            let replaced = (usize::from(self.draw) * SLOPES) >> 16;
-            if let Some(place) = self.slopes.get_mut(replaced) {
-                *place = slope;
-            }
+        if turned.unsigned_abs() <= SAME_HEADING {
+            let change_mm = i32::from(after.range.as_mm()) - i32::from(before.range.as_mm());
+            self.slopes.note(sensor, ahead_mm, change_mm);
         }
     }
 

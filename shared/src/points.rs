@@ -16,15 +16,19 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 mod arc;
+mod sectors;
 
 use arc::{Arc, FreeBeam};
+pub(crate) use sectors::sector_at;
+use sectors::{sectors_at, with_views};
 
 /// How long points last and what they tell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PointLimits {
     /// Distance from the robot's center that a sector's range is counted from, millimeters.
     pub face_radius_mm: u16,
-    /// Points seen longer ago than this travel are dropped, millimeters; below 65 536.
+    /// Points seen longer ago than this travel are dropped, millimeters, to within 64; 16 320 or
+    /// more: points last until there is no room.
     pub keep_mm: u16,
     /// Half the opening of a sensor's cone.
     pub half_cone: Bearing,
@@ -73,18 +77,33 @@ pub struct Beam {
 }
 
 /// A place where something returned an echo. All vectors begin at the robot's center and have the
-/// frame of the start.
+/// frame of the start. Three words: 256 points are searched and moved up at each echo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(align(4))]
 struct Point {
     at: Displacement,
     /// Where the robot stood when it heard the echo.
     seen_from: Displacement,
-    /// Travel at the echo, millimeters; wraps.
-    traveled_mm: u16,
+    /// Travel at the echo.
+    traveled: Travel,
     /// Where in the beam's cone it may be.
     arc: Arc,
-    /// Something is there; otherwise this is how far a sensor saw free space.
-    is_echo: bool,
+}
+
+/// A distance traveled, in units of 64 mm; wraps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Travel(u8);
+
+impl Travel {
+    /// As far as this, from a travel in millimeters that wraps.
+    const fn to(traveled_mm: u16) -> Self {
+        Self((traveled_mm / 64) as u8)
+    }
+
+    /// Whether no more than `keep_mm` lie between this and now.
+    fn is_within(self, keep_mm: u16, now: Self) -> bool {
+        u16::from(now.0.wrapping_sub(self.0)) <= keep_mm / 64
+    }
 }
 
 /// The latest points, at most `POINTS`.
@@ -153,9 +172,9 @@ impl<const POINTS: usize> PointMemory<POINTS> {
                 point.at = point.at.minus(moved);
                 point.seen_from = point.seen_from.minus(moved);
             }
-            let now_mm = self.traveled_mm;
+            let now = Travel::to(self.traveled_mm);
             self.points
-                .retain(|point| now_mm.wrapping_sub(point.traveled_mm) <= limits.keep_mm);
+                .retain(|point| point.traveled.is_within(limits.keep_mm, now));
         }
         self.heading = self.heading.plus(turned);
     }
@@ -188,13 +207,12 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         let _ = self.points.push(Point {
             at: face.plus(Displacement::saturating(x_mm, y_mm)),
             seen_from: Displacement::ZERO,
-            traveled_mm: self.traveled_mm,
+            traveled: Travel::to(self.traveled_mm),
             arc: if beam.is_echo {
                 Arc::new(axis, range_mm, limits.half_cone)
             } else {
-                Arc::AXIS
+                Arc::NOTHING
             },
-            is_echo: beam.is_echo,
         });
     }
 
@@ -218,7 +236,7 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         for point in &self.points {
             let at = point.place(limits);
             let [own, other] = sectors_at::<SECTORS>(at.bearing());
-            if !point.is_echo {
+            if !point.is_echo() {
                 if point.is_from_here(limits) {
                     known = with_views(known, [own, other]);
                 }
@@ -271,7 +289,7 @@ impl<const POINTS: usize> PointMemory<POINTS> {
     #[must_use]
     pub fn nearest_mm(&self, way: Bearing) -> Option<u16> {
         let way = way.direction();
-        let things = self.points.iter().filter(|point| point.is_echo);
+        let things = self.points.iter().filter(|point| point.is_echo());
         let ahead = things.filter(|point| {
             let Displacement { dx_mm, dy_mm } = point.at;
             way.along(dx_mm.into(), dy_mm.into()) > 0
@@ -285,7 +303,7 @@ impl<const POINTS: usize> PointMemory<POINTS> {
     pub fn free_mm(&self, way: Displacement, radius_mm: u16) -> u16 {
         let length = way.length_mm();
         let direction = direction_of(way, length.into());
-        let things = self.points.iter().filter(|point| point.is_echo);
+        let things = self.points.iter().filter(|point| point.is_echo());
         let free = things.fold(i32::from(length), |free, point| {
             let (x, y) = (point.at.dx_mm.into(), point.at.dy_mm.into());
             until_contact(direction.components(x, y), radius_mm.into(), free)
@@ -295,6 +313,11 @@ impl<const POINTS: usize> PointMemory<POINTS> {
 }
 
 impl Point {
+    /// Something is there; otherwise this is how far a sensor saw free space.
+    fn is_echo(&self) -> bool {
+        self.arc.is_echo()
+    }
+
     /// Where its echo came from, as far as beams have told since. A point heard from here stays on
     /// its beam's axis: so it tells what a ring would hear here.
     fn place(&self, limits: &PointLimits) -> Displacement {
@@ -329,59 +352,6 @@ fn keep_least(squares: &mut [Option<u32>], sector: Option<usize>, square: u32) {
     {
         *least = Some(square);
     }
-}
-
-/// A mask with the sectors that a bearing belongs to.
-fn with_views(mask: Mask, views: [SectorView; 2]) -> Mask {
-    let sectors = views.into_iter().filter_map(|view| view.sector);
-    sectors.fold(mask, Mask::with)
-}
-
-/// A sector that a bearing belongs to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct SectorView {
-    sector: Option<usize>,
-    /// The bearing is within a quarter of a sector of the axis.
-    is_central: bool,
-}
-
-/// The sector of a ring whose axis is nearest to a bearing; `None` for a ring without sectors.
-pub(crate) fn sector_at<const SECTORS: usize>(bearing: Bearing) -> Option<usize> {
-    let [own, _] = sectors_at::<SECTORS>(bearing);
-    own.sector
-}
-
-/// The sectors that a bearing belongs to: the nearest, and the next if it is within 1/18 of a
-/// sector of their border: 12.5° from the axis in a ring of 16.
-fn sectors_at<const SECTORS: usize>(bearing: Bearing) -> [SectorView; 2] {
-    const OVERLAP: u16 = (65_536_u32 / 18) as u16;
-    const QUARTER: u16 = 1 << 14;
-    let ring = SECTORS as u32;
-    // Sectors in units of 1/65 536, from the border before the first one.
-    let position = u32::from(bearing.as_turns())
-        .wrapping_mul(ring)
-        .wrapping_add(1 << 15);
-    let within = position as u16;
-    let sector = |steps: u32| {
-        let index = (position >> 16).wrapping_add(steps).checked_rem(ring);
-        index.map(|index| index as usize)
-    };
-    let other = if within < OVERLAP {
-        sector(ring.wrapping_sub(1))
-    } else if within >= u16::MAX - OVERLAP {
-        sector(1)
-    } else {
-        None
-    };
-    let own = SectorView {
-        sector: sector(0),
-        is_central: (QUARTER..=3 * QUARTER).contains(&within),
-    };
-    let other = SectorView {
-        sector: other,
-        is_central: false,
-    };
-    [own, other]
 }
 
 #[cfg(test)]

@@ -1,17 +1,21 @@
 //! Where the body's front is, and how far the base goes, from straight moves.
 
-use super::Slope;
+use super::slopes::Slopes;
 use crate::units::Bearing;
 use micromath::F32Ext;
 
 /// Rounds of reweighted least squares.
 const FITS: u8 = 10;
+/// A slope that is off by this counts half.
+const USUAL_OFF: f32 = 0.1;
+/// Below this the slopes do not tell both the cosine and the sine.
+const LEAST_DETERMINANT: f32 = 0.1;
 
 /// By how much all bearings are to be turned so that the body's front is at 0, as a vector whose
 /// length is the true length of what the base takes for 1.
 ///
-/// Along a straight move of l a range changes by −l cos b: least squares for the cosine and sine of
-/// the turn, where what fits badly counts less from round to round.
+/// Along a straight move a range's slope is −cos b: least squares for the cosine and sine of the
+/// turn, where what fits badly counts less from round to round.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Front {
     x: f32,
@@ -51,35 +55,39 @@ impl Front {
     }
 
     /// The next round.
-    pub(super) fn improve(&mut self, slopes: &[Slope], bearings: &[Option<Bearing>]) {
+    pub(super) fn improve<const BEAMS: usize>(
+        &mut self,
+        slopes: &Slopes<BEAMS>,
+        bearings: &[Option<Bearing>; BEAMS],
+    ) {
         let (mut xx, mut xy, mut yy, mut xr, mut yr) =
             (0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32);
-        for slope in slopes {
-            let Some(bearing) = bearings.get(usize::from(slope.sensor)).copied().flatten() else {
+        for (sensor, bearing) in bearings.iter().enumerate() {
+            let Some(bearing) = bearing else {
                 continue;
             };
             let direction = bearing.direction();
-            let ahead = f32::from(slope.ahead_4mm) * 4e-3;
-            let unit = ahead / 16_384.0;
             let (u, v) = (
-                -unit * f32::from(direction.x_q14),
-                unit * f32::from(direction.y_q14),
+                f32::from(direction.x_q14) / -16_384.0,
+                f32::from(direction.y_q14) / 16_384.0,
             );
-            let change = f32::from(slope.change_mm) / 1e3;
-            let weight = if self.rounds == 0 {
-                1.0
-            } else {
-                let off = (change - (u * self.x + v * self.y)) / ahead / 0.1;
-                1.0 / (1.0 + off * off)
-            };
-            xx += weight * u * u;
-            xy += weight * u * v;
-            yy += weight * v * v;
-            xr += weight * u * change;
-            yr += weight * v * change;
+            let expected = u * self.x + v * self.y;
+            for (slope, weight) in slopes.of(sensor) {
+                let off = if self.rounds == 0 {
+                    0.0
+                } else {
+                    (slope - expected) / USUAL_OFF
+                };
+                let weight = weight / (1.0 + off * off);
+                xx += weight * u * u;
+                xy += weight * u * v;
+                yy += weight * v * v;
+                xr += weight * u * slope;
+                yr += weight * v * slope;
+            }
         }
         let determinant = xx * yy - xy * xy;
-        *self = if F32Ext::abs(determinant) < 1e-9 {
+        *self = if F32Ext::abs(determinant) < LEAST_DETERMINANT {
             Self::AS_IS
         } else {
             Self {

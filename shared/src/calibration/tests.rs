@@ -287,21 +287,40 @@ fn a_sensor_that_hears_little_is_not_dead() {
 }
 
 #[test]
-fn slopes_of_any_age_are_kept() {
-    let mut calibration = Calibration::<8>::new();
-    for change_mm in 0..1_024 {
-        calibration.keep_slope(Slope {
-            sensor: 0,
-            ahead_4mm: 60,
-            change_mm,
-        });
+fn slopes_of_any_age_count() {
+    let mut slopes = Slopes::<2>::NEW;
+    for _ in 0..3_000 {
+        slopes.note(0, 496, -255);
     }
-    let slopes = &calibration.slopes;
-    assert_eq!(slopes.len(), 512);
-    let old = slopes.iter().filter(|slope| slope.change_mm < 512).count();
-    // 1/e of them.
-    assert!((150..=230).contains(&old), "{old}");
-    assert!(slopes.iter().any(|slope| slope.change_mm == 1_023));
+    for _ in 0..100 {
+        slopes.note(0, 496, 0);
+    }
+    let told: Vec<_> = slopes.of(0).collect();
+    // 2 114 times 31 are halved once.
+    assert_eq!(told, [(-0.525, 60_233.0), (0.025, 3_100.0)]);
+    slopes.forget(0);
+    assert_eq!(slopes.of(0).count(), 0);
+}
+
+#[test]
+fn a_slope_is_the_change_per_travel_ahead() {
+    let mut slopes = Slopes::<2>::NEW;
+    let noted = [
+        (-100, 50),
+        (100, -160),
+        // Another surface, too short, too long.
+        (100, 160),
+        (100, -161),
+        (29, 0),
+        (501, 0),
+    ];
+    for (ahead_mm, change_mm) in noted {
+        slopes.note(1, ahead_mm, change_mm);
+        slopes.note(2, ahead_mm, change_mm);
+    }
+    let told: Vec<_> = slopes.of(1).collect();
+    assert_eq!(told, [(-1.575, 6.0), (-0.475, 6.0)]);
+    assert_eq!((slopes.of(0).count(), slopes.of(2).count()), (0, 0));
 }
 
 #[test]

@@ -9,21 +9,23 @@ const UNIT_MM: i32 = 4;
 const PLACES: [i8; 5] = [-2, -1, 0, 1, 2];
 /// All places are free.
 const ALL_FREE: u8 = (1 << PLACES.len()) - 1;
+/// Nothing returned an echo there.
+const NO_ECHO: u8 = 1 << 7;
 
 /// Five places across four fifths of a beam's cone, at the range of its echo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Arc {
     /// From one place to the next on its left, in units.
     step: (i8, i8),
-    /// Places that beams have shown free, a bit for each.
-    free: u8,
+    /// Places that beams have shown free, a bit for each, and [`NO_ECHO`].
+    marks: u8,
 }
 
 impl Arc {
-    /// The axis alone.
-    pub(super) const AXIS: Self = Self {
+    /// Nothing returned an echo: a sensor saw free space as far as the axis.
+    pub(super) const NOTHING: Self = Self {
         step: (0, 0),
-        free: 0,
+        marks: NO_ECHO,
     };
 
     /// The arc of an echo at `range_mm` on `axis`.
@@ -36,14 +38,19 @@ impl Arc {
         };
         Self {
             step: (units(-y), units(x)),
-            free: 0,
+            marks: 0,
         }
+    }
+
+    /// Whether something returned an echo.
+    pub(super) const fn is_echo(&self) -> bool {
+        self.marks & NO_ECHO == 0
     }
 
     /// The place nearest to the axis that no beam has shown free, from the axis.
     pub(super) fn place_left(&self) -> Displacement {
         let left = PLACES.into_iter().enumerate();
-        let left = left.filter(|(bit, _)| self.free & (1 << bit) == 0);
+        let left = left.filter(|(bit, _)| self.marks & (1 << bit) == 0);
         let places = left.map(|(_, place)| place);
         let place = places.min_by_key(|place| place.abs()).unwrap_or(0);
         // At most 2 times 127 units.
@@ -58,30 +65,35 @@ impl Arc {
     /// the robot. Returns whether any place is left.
     pub(super) fn carve(&mut self, axis: Displacement, beam: &FreeBeam) -> bool {
         let offset = axis.minus(beam.face);
-        let (along, aside) = beam
+        let from_face = beam
             .axis
             .components(offset.dx_mm.into(), offset.dy_mm.into());
+        !self.is_reached(from_face, beam) || self.carve_places(from_face, beam)
+    }
+
+    /// Whether a beam may show any place free, by where the arc's axis is along the beam and aside
+    /// of it. Most arcs are behind the sensor, beyond the echo or beside the cone.
+    fn is_reached(&self, (along, aside): (i32, i32), beam: &FreeBeam) -> bool {
+        // No place is farther from the arc's axis than this, along any direction.
+        let reach = 2 * UNIT_MM * (i32::from(self.step.0).abs() + i32::from(self.step.1).abs());
+        let nearest = (along + reach, aside.abs() - reach);
+        nearest.0 > 0 && along - reach < beam.length_mm && beam.is_in_cone(nearest)
+    }
+
+    /// Takes the places away one by one. Not inlined: few arcs need it, and the others are faster.
+    #[inline(never)]
+    pub(super) fn carve_places(&mut self, (along, aside): (i32, i32), beam: &FreeBeam) -> bool {
         let (x, y) = (i32::from(self.step.0), i32::from(self.step.1));
-        let reach = 2 * UNIT_MM * (x.abs() + y.abs());
-        // Half of all points are behind the sensor.
-        if along + reach <= 0 {
-            return true;
-        }
         let (step_along, step_aside) = beam.axis.components(x * UNIT_MM, y * UNIT_MM);
-        // Most points are not before the echo, or beside the cone: so are all their places.
-        let (last_along, last_aside) = (2 * step_along.abs(), 2 * step_aside.abs());
-        let nearest = (along + last_along, aside.abs() - last_aside);
-        if along - last_along < beam.length_mm && beam.is_in_cone(nearest) {
-            for (bit, place) in PLACES.into_iter().enumerate() {
-                let place = i32::from(place);
-                let along = along + place * step_along;
-                let aside = (aside + place * step_aside).abs();
-                if along < beam.length_mm && beam.is_in_cone((along, aside)) {
-                    self.free |= 1 << bit;
-                }
+        for (bit, place) in PLACES.into_iter().enumerate() {
+            let place = i32::from(place);
+            let along = along + place * step_along;
+            let aside = (aside + place * step_aside).abs();
+            if along < beam.length_mm && beam.is_in_cone((along, aside)) {
+                self.marks |= 1 << bit;
             }
         }
-        self.free != ALL_FREE
+        self.marks & ALL_FREE != ALL_FREE
     }
 }
 

@@ -101,16 +101,71 @@ fn far_points_from_elsewhere_tell_only_what_is_not_seen_from_here() {
     assert_eq!(found(&memory), (Some(4_004), Some(1_697)));
 }
 
+/// To and fro, hundreds of millimeters.
+fn travel(memory: &mut PointMemory<64>, limits: &PointLimits, mm: i16) {
+    for leg in 0..mm / 100 {
+        let step = if leg % 2 == 0 { 100 } else { -100 };
+        memory.moved(limits, way(step, 0), Bearing::ZERO);
+    }
+}
+
 #[test]
 fn points_last_for_six_meters_of_travel() {
-    let mut memory = heard(&[(180.0, 500)]);
-    for _ in 0..12 {
-        memory.moved(&LIMITS, way(250, 0), Bearing::ZERO);
-        memory.moved(&LIMITS, way(-250, 0), Bearing::ZERO);
+    // The travel is kept in few bits, which wrap.
+    for before_mm in [0, 5_000, 16_300, 20_000, 32_000] {
+        let mut memory = heard(&[]);
+        travel(&mut memory, &LIMITS, before_mm);
+        memory.hear(&LIMITS, &beam(180.0, 500));
+        travel(&mut memory, &LIMITS, 5_900);
+        assert_eq!(memory.len(), 1, "{before_mm}");
+        travel(&mut memory, &LIMITS, 200);
+        assert!(memory.is_empty(), "{before_mm}");
     }
-    assert_eq!(ranges(&memory)[8], Some(500));
-    memory.moved(&LIMITS, way(1, 0), Bearing::ZERO);
-    assert!(memory.is_empty());
+}
+
+#[test]
+fn points_that_are_to_last_for_longer_than_16_meters_last() {
+    let limits = PointLimits {
+        keep_mm: 16_320,
+        ..LIMITS
+    };
+    let mut memory = heard(&[(180.0, 500)]);
+    travel(&mut memory, &limits, 30_000);
+    assert_eq!(memory.len(), 1);
+}
+
+#[test]
+fn a_beam_shows_no_place_free_that_it_does_not_reach() {
+    let mut draw = 1_u32;
+    let mut any = |most: u32| {
+        draw = draw.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (draw >> 8) % most
+    };
+    let mut carved = 0;
+    for _ in 0..20_000 {
+        let mut bearing = || Bearing::from_turns(any(65_536) as u16);
+        let (axis, heard, from) = (bearing(), bearing(), bearing());
+        let half_cone = degrees(1.0 + f64::from(any(25)));
+        let arc = Arc::new(heard.direction(), any(5_000) as i32, half_cone);
+        let offset = Displacement::along(from, any(4_000) as i32);
+        let beam = FreeBeam {
+            face: Displacement::ZERO,
+            axis: axis.direction(),
+            half_cone: half_cone.direction(),
+            length_mm: any(5_000) as i32,
+        };
+        // The plain way: each place by itself.
+        let mut by_place = arc;
+        let from_face = beam
+            .axis
+            .components(offset.dx_mm.into(), offset.dy_mm.into());
+        let is_left = by_place.carve_places(from_face, &beam);
+        let mut at_once = arc;
+        assert_eq!(at_once.carve(offset, &beam), is_left);
+        assert_eq!(at_once, by_place);
+        carved += usize::from(by_place != arc);
+    }
+    assert!(carved > 500, "{carved}");
 }
 
 #[test]
@@ -247,6 +302,13 @@ fn free_space_is_no_thing_and_contradicts_what_lies_before_its_end() {
     assert_eq!(memory.free_mm(way(2_000, 0), 300), 2_000);
     memory.moved(&LIMITS, way(310, 0), Bearing::ZERO);
     assert!(!is_known(&memory), "seen from elsewhere");
+}
+
+#[test]
+fn an_echo_at_the_sensors_face_is_a_thing() {
+    let memory = heard(&[(0.0, 0)]);
+    assert_eq!(ranges(&memory)[0], Some(0));
+    assert_eq!(memory.nearest_mm(degrees(0.0)), Some(230));
 }
 
 #[test]

@@ -5,7 +5,7 @@
 
 use crate::episode::CountedEpisode;
 use crate::stopwatch::{InstructionStats, Stopwatch};
-use crate::{body, link, maps, reference};
+use crate::{body, link, maps, points, reference};
 use amp::body::HeldRing;
 use amp::config::Config;
 use amp::controller::NomadState;
@@ -30,7 +30,7 @@ fn main() -> ! {
     print_maps(&watch, &episode);
     print_episode(&episode);
     print_link(&watch, &episode);
-    print_body(&body::episode(&watch, sensors));
+    print_body(&watch, &body::episode(&watch, sensors));
     hprintln!();
     hprintln!("| what | bytes |");
     hprintln!("| --- | ---: |");
@@ -111,19 +111,24 @@ fn print_link(watch: &Stopwatch, episode: &CountedEpisode<'_>) {
     );
 }
 
-fn print_body(counts: &body::BodyCounts) {
+fn print_body(watch: &Stopwatch, counts: &body::BodyCounts) {
     row(
         "body: echo at rest, with 256 points",
         counts.events.echo,
-        48_100,
+        28_400,
     );
-    row("body: echo on the way", counts.events.on_the_way, 121_000);
+    row(
+        "body: of an echo, keeping 200 to 256 points",
+        points::echoes(watch),
+        23_500,
+    );
+    row("body: echo on the way", counts.events.on_the_way, 108_000);
     row(
         "body: **decision** (last echo of the ring): avoid",
         counts.decision,
-        147_800,
+        140_400,
     );
-    row("body: report of the base", counts.events.odometry, 9_210);
+    row("body: report of the base", counts.events.odometry, 10_200);
     row(
         "body: echo while it finds its sensors",
         counts.babble.on_the_way,
