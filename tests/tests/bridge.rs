@@ -63,7 +63,7 @@ fn drives_clean(
 #[test]
 fn a_mind_in_this_process_drives_a_robot_at_a_socket() {
     let program = host_sim!();
-    let mut robot = ServedRobot::at_a_port(&program, "--speed 20");
+    let mut robot = ServedRobot::at_a_port(&program, "--speed 10");
     let at = format!("tcp:{}", robot.place);
     drives_clean(
         &program,
@@ -83,7 +83,7 @@ fn a_mind_in_this_process_drives_a_robot_at_a_socket() {
 #[test]
 fn a_mind_in_this_process_drives_a_robot_at_a_serial_port() {
     let program = host_sim!();
-    let mut robot = ServedRobot::at_a_pty(&program, "--speed 20 --world room");
+    let mut robot = ServedRobot::at_a_pty(&program, "--speed 10 --world room");
     let at = format!("serial:{}@38400", robot.place);
     drives_clean(
         &program,
