@@ -24,6 +24,7 @@ use crate::config::Config;
 use crate::faults::Detector;
 use crate::fixed::Mask;
 use crate::memory::Memory;
+use crate::places::Leg;
 use crate::planner::SearchCache;
 use crate::scan::{Echo, Scan};
 use crate::shield::Shield;
@@ -106,6 +107,8 @@ pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usiz
     last_plan: SearchCache,
     /// How the search for a place goes.
     search: SearchProgress,
+    /// The way on which a memory of places leads the robot.
+    leg: Option<Leg>,
 }
 
 /// The state for the Nomad 200 with the paper's sizes.
@@ -146,6 +149,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             inhibited: [0; NEURONS],
             last_plan: SearchCache::NONE,
             search: SearchProgress::NEW,
+            leg: None,
         }
     }
 
@@ -226,6 +230,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     /// Limits what is used of the ring to these, until the next call.
     pub(crate) const fn set_visible(&mut self, visible: Mask) {
         self.hidden = Mask::from_bits(!visible.to_bits());
+    }
+
+    /// At the next decision it goes about along this way, if there is one, while it seeks.
+    pub(crate) const fn lead(&mut self, leg: Option<Leg>) {
+        self.leg = leg;
     }
 
     /// The fault detector.

@@ -20,6 +20,8 @@ pub(crate) use value_bounds::{Over, ValueBounds, cost_of};
 
 /// Weight of progress in obstacle avoidance: the robot crosses free space but does not graze walls.
 const AVOIDING_Q16: u16 = 33;
+/// Weight of progress on the way to a place.
+const LEADING_Q16: u16 = 164;
 
 /// What is asked of one transducer's value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -184,6 +186,20 @@ impl<const SENSORS: usize> Goal<SENSORS> {
     pub fn avoiding(config: &Config<SENSORS>) -> Self {
         let clearance = Range::from_mm(config.clearance_mm);
         Self::nothing_within(clearance, config.encoding)
+    }
+
+    /// On the way to a place: along the course, with this room beside the body.
+    #[must_use]
+    pub fn leading(config: &Config<SENSORS>, room_mm: u16) -> Self {
+        let robot = &config.robot;
+        let clearance_mm = robot
+            .body_radius_mm
+            .saturating_sub(robot.face_radius_mm)
+            .saturating_add(room_mm);
+        Self {
+            progress_q16: LEADING_Q16,
+            ..Self::nothing_within(Range::from_mm(clearance_mm), config.encoding)
+        }
     }
 
     /// A situation perceived before.

@@ -35,6 +35,7 @@
 //! | [`action_map`] | the map of (change of situation, action) |
 //! | [`memory`] | the lazy memory of samples |
 //! | [`goal`] | behaviors as goal situations |
+//! | [`places`] | where the robot was, and the way back by sub-goals |
 //! | [`planner`] | the paper's four steps, with every intermediate value |
 //! | [`faults`] | detects faulty transducers |
 //! | [`calibration`] | where the sensors of a body look, learned from random moves |
@@ -106,6 +107,7 @@ pub mod memory;
 #[cfg(feature = "link")]
 pub mod node;
 pub mod parameters;
+pub mod places;
 pub mod planner;
 pub mod points;
 pub mod robot;

@@ -301,12 +301,19 @@ impl<const POINTS: usize> PointMemory<POINTS> {
     /// before it touches a point; at most the way's length. Millimeters.
     #[must_use]
     pub fn free_mm(&self, way: Displacement, radius_mm: u16) -> u16 {
+        self.free_from_mm(Displacement::ZERO, way, radius_mm)
+    }
+
+    /// As [`free_mm`](Self::free_mm), from a position beside the robot.
+    #[must_use]
+    pub fn free_from_mm(&self, from: Displacement, way: Displacement, radius_mm: u16) -> u16 {
         let length = way.length_mm();
         let direction = direction_of(way, length.into());
         let things = self.points.iter().filter(|point| point.is_echo());
         let free = things.fold(i32::from(length), |free, point| {
-            let (x, y) = (point.at.dx_mm.into(), point.at.dy_mm.into());
-            until_contact(direction.components(x, y), radius_mm.into(), free)
+            let Displacement { dx_mm, dy_mm } = point.at.minus(from);
+            let place = direction.components(dx_mm.into(), dy_mm.into());
+            until_contact(place, radius_mm.into(), free)
         });
         free as u16
     }

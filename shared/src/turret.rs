@@ -11,14 +11,16 @@
 
 use crate::actuation::{Actuation, Odometer};
 use crate::config::Config;
-use crate::controller::{Event, Motion, Outputs, Progress, stale};
+use crate::controller::{Command, Event, Motion, Outputs, Progress, stale};
 use crate::fixed::Mask;
+use crate::places::{Aim, Places};
 use crate::points::{Beam, PointLimits, PointMemory};
 use crate::units::{Bearing, Displacement, Millis, Range};
 
 mod body_spec;
 mod glance;
 mod guard;
+mod lead;
 mod ring_controller;
 
 pub use body_spec::{BodySpec, Mount};
@@ -35,8 +37,11 @@ const FORGET_MS: u32 = 600_000;
 
 /// What the robot knows of its surroundings and its motion, in the frame of the start.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct VirtualTurret<const SECTORS: usize, const POINTS: usize> {
+pub struct VirtualTurret<const SECTORS: usize, const POINTS: usize, const RECORDS: usize> {
     memory: PointMemory<POINTS>,
+    places: Places<RECORDS>,
+    /// Where it is to be led while it pursues a goal.
+    aim: Option<Aim>,
     odometer: Odometer,
     /// Sensors heard since the last motion ended, or since the last decision.
     fresh: Mask,
@@ -65,18 +70,24 @@ pub struct VirtualTurret<const SECTORS: usize, const POINTS: usize> {
     hull: Hull,
 }
 
-impl<const SECTORS: usize, const POINTS: usize> Default for VirtualTurret<SECTORS, POINTS> {
+impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize> Default
+    for VirtualTurret<SECTORS, POINTS, RECORDS>
+{
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
+impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
+    VirtualTurret<SECTORS, POINTS, RECORDS>
+{
     /// Nothing seen yet.
     #[must_use]
     pub const fn new() -> Self {
         Self {
             memory: PointMemory::new(),
+            places: Places::new(),
+            aim: None,
             odometer: Odometer::NEW,
             fresh: Mask::NONE,
             heard_at: Millis::from_ms(0),
@@ -97,6 +108,8 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
     /// Nothing seen, in place: the points are too many for the stack of a microcontroller.
     pub fn restart(&mut self) {
         self.memory.restart();
+        self.places.forget();
+        self.aim = None;
         self.odometer = Odometer::NEW;
         (self.fresh, self.heard_at) = (Mask::NONE, Millis::from_ms(0));
         self.last_ring = [None; SECTORS];
@@ -158,10 +171,15 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
 /// sensors; displacements are in the body's frame: x ahead. The configuration should have no
 /// shield and no fault detection: both assume a ring on the robot itself.
 #[must_use]
-pub fn handle<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>(
+pub fn handle<
+    const SECTORS: usize,
+    const BEAMS: usize,
+    const POINTS: usize,
+    const RECORDS: usize,
+>(
     config: &Config<SECTORS>,
     body: &BodySpec<BEAMS>,
-    turret: &mut VirtualTurret<SECTORS, POINTS>,
+    turret: &mut VirtualTurret<SECTORS, POINTS, RECORDS>,
     controller: &mut impl RingController<SECTORS>,
     at: Millis,
     event: Event<SECTORS>,
@@ -191,6 +209,13 @@ pub fn handle<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>(
                 progress,
             })
         }
+        Event::Command(Command::Explore { .. }) => {
+            let outputs = robot.control(event);
+            if outputs.refusal.is_none() {
+                robot.turret.places.forget();
+            }
+            outputs
+        }
         Event::Command(_) | Event::Tick | Event::Alarm(_) | Event::Touched => robot.control(event),
     };
     if was_moving && !robot.controller.is_moving() {
@@ -201,16 +226,23 @@ pub fn handle<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>(
 }
 
 /// All that an event concerns.
-struct Robot<'a, C, const SECTORS: usize, const BEAMS: usize, const POINTS: usize> {
+struct Robot<
+    'a,
+    C,
+    const SECTORS: usize,
+    const BEAMS: usize,
+    const POINTS: usize,
+    const RECORDS: usize,
+> {
     config: &'a Config<SECTORS>,
     body: &'a BodySpec<BEAMS>,
-    turret: &'a mut VirtualTurret<SECTORS, POINTS>,
+    turret: &'a mut VirtualTurret<SECTORS, POINTS, RECORDS>,
     controller: &'a mut C,
     at: Millis,
 }
 
-impl<C, const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
-    Robot<'_, C, SECTORS, BEAMS, POINTS>
+impl<C, const SECTORS: usize, const BEAMS: usize, const POINTS: usize, const RECORDS: usize>
+    Robot<'_, C, SECTORS, BEAMS, POINTS, RECORDS>
 where
     C: RingController<SECTORS>,
 {
@@ -316,6 +348,8 @@ where
         self.turret.last_ring = ring;
         self.turret.fresh = Mask::NONE;
         self.controller.set_visible(known);
+        let leg = self.next_leg();
+        self.controller.lead(leg);
         let mut outputs = Outputs::NONE;
         for (sector, range) in ring.into_iter().enumerate() {
             if known.contains(sector) {
@@ -348,6 +382,7 @@ where
         let (moved, turned) = turret.odometer.correct(&self.body.actuation, moved, turned);
         let in_frame = moved.rotated(turret.memory.heading().direction());
         turret.memory.moved(&self.body.points, moved, turned);
+        turret.places.moved(in_frame);
         if progress == Progress::Touched {
             turret.touched();
         }

@@ -292,6 +292,16 @@ impl Displacement {
         Self::saturating(scale(self.dx_mm), scale(self.dy_mm))
     }
 
+    /// The same direction, at most so long.
+    #[must_use]
+    pub fn shortened(self, most_mm: u16) -> Self {
+        if self.length_mm() <= most_mm {
+            self
+        } else {
+            self.with_length(most_mm)
+        }
+    }
+
     /// Sum of two moves, saturated.
     #[must_use]
     pub const fn plus(self, other: Self) -> Self {

@@ -205,14 +205,19 @@ fn legend(svg: &mut Svg, view: &SceneView, recording: &Recording) {
 /// Legend entries of exploration, obstacles and the situation.
 fn surroundings(legend: &mut Legend, svg: &mut Svg, recording: &Recording) {
     let exploration = &recording.exploration;
-    let moves = format!("exploration: {}", counted(exploration.len(), "random move"));
+    // Before it goes home the robot drives around.
+    let is_tour = recording.behavior == "home";
+    let (phase, step, when) = if is_tour {
+        ("tour", "step", "on the tour")
+    } else {
+        ("exploration", "random move", "while exploring")
+    };
+    let moves = format!("{phase}: {}", counted(exploration.len(), step));
     legend.entry(svg, &moves, |svg, [x, y]| {
         svg.line([x - 11.0, y], [x + 11.0, y], &stroke(PURPLE, 1.6));
     });
-    let touched = format!(
-        "contacts while exploring: {}",
-        count(exploration, |step| step.touched)
-    );
+    let touched = count(exploration, |step| step.touched);
+    let touched = format!("contacts {when}: {touched}");
     legend.entry(svg, &touched, |svg, at| contact_mark(svg, at, PURPLE));
     legend.entry(svg, "wall, obstacle", |svg, [x, y]| {
         svg.rect([x - 9.0, y - 6.0, 18.0, 12.0], &filled(OBSTACLE, INK, 1.3));

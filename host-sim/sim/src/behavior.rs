@@ -20,6 +20,9 @@ pub const LEADER_RANGE_M: f64 = 0.34;
 /// In a chain, a behavior without an end is done when its goal has held for this many decisions.
 pub const CHAIN_HOLDS: u32 = 20;
 
+/// Steps of driving around before the way home.
+pub const TOUR_STEPS: u32 = 500;
+
 /// A behavior by name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Behavior {
@@ -33,6 +36,11 @@ pub enum Behavior {
     WallRight,
     /// Return to the position before the first move.
     Nest,
+    /// Drive around, and return to the position before the first move.
+    Home {
+        /// Steps of driving around.
+        tour: u32,
+    },
     /// Follow another robot.
     Follow,
     /// Go to where the situation of a file was captured.
@@ -42,7 +50,7 @@ pub enum Behavior {
 }
 
 impl Behavior {
-    /// Names of the behaviors without a parameter.
+    /// Names of the behaviors that any robot has, without a parameter.
     pub const NAMES: [&str; 6] = [
         "avoid",
         "avoid-right",
@@ -61,6 +69,7 @@ impl Behavior {
             "wall-left" => "follows a wall on its left, 0.6 m away",
             "wall-right" => "follows a wall on its right, 0.6 m away",
             "nest" => "comes back to where it began to explore",
+            "home" => "drives around and comes back to where it began to explore",
             "follow" => "keeps behind another robot",
             "seek" => "goes to where a situation was captured (seek:FILE)",
             _ if name.contains(',') => "one after the other: the next when the goal is reached",
@@ -77,6 +86,7 @@ impl Behavior {
             Self::WallLeft => "wall-left".to_owned(),
             Self::WallRight => "wall-right".to_owned(),
             Self::Nest => "nest".to_owned(),
+            Self::Home { .. } => "home".to_owned(),
             Self::Follow => "follow".to_owned(),
             Self::Seek(file) => format!("seek:{}", file.path),
             Self::Chain(parts) => {
@@ -96,7 +106,7 @@ impl Behavior {
             Self::AvoidRight => Goal::passing(Side::Right, range(PASSING_ROOM_M), config),
             Self::WallLeft => Goal::wall(Side::Left, range(WALL_RANGE_M), config),
             Self::WallRight => Goal::wall(Side::Right, range(WALL_RANGE_M), config),
-            Self::Nest => Goal::perceived(nest),
+            Self::Nest | Self::Home { .. } => Goal::perceived(nest),
             Self::Follow => Goal::following(range(LEADER_RANGE_M), config),
             Self::Seek(file) => file.goal(),
             Self::Chain(parts) => parts
@@ -130,8 +140,16 @@ impl Behavior {
         match self {
             Self::Seek(file) => file.place(),
             Self::Chain(parts) => parts.iter().rev().find_map(|part| part.place(nest)),
-            single => (*single == Self::Nest).then_some(nest),
+            Self::Nest | Self::Home { .. } => Some(nest),
+            _ => None,
         }
+    }
+
+    /// A memory of places leads the robot in some part.
+    #[must_use]
+    pub fn needs_places(&self) -> bool {
+        let mut parts = self.parts().iter();
+        parts.any(|part| matches!(part, Self::Home { .. }))
     }
 
     /// The world contains a second robot.
@@ -164,9 +182,13 @@ impl FromStr for Behavior {
             "wall-left" => Ok(Self::WallLeft),
             "wall-right" => Ok(Self::WallRight),
             "nest" => Ok(Self::Nest),
+            "home" => Ok(Self::Home { tour: TOUR_STEPS }),
             "follow" => Ok(Self::Follow),
             _ => {
-                let known: Vec<_> = Self::NAMES.into_iter().chain(["seek:FILE"]).collect();
+                let known: Vec<_> = Self::NAMES
+                    .into_iter()
+                    .chain(["home", "seek:FILE"])
+                    .collect();
                 Err(BadInput::unknown("behavior", name, &known))
             }
         }
@@ -178,7 +200,7 @@ impl FromStr for Behavior {
 #[must_use]
 pub fn is_reached(part: &Behavior, steps: u32, goal_steps: u32) -> bool {
     match part {
-        Behavior::Nest | Behavior::Seek(_) => goal_steps > 0,
+        Behavior::Nest | Behavior::Home { .. } | Behavior::Seek(_) => goal_steps > 0,
         Behavior::WallLeft | Behavior::WallRight => steps >= CHAIN_HOLDS * 5,
         _ => goal_steps >= CHAIN_HOLDS,
     }
@@ -193,6 +215,7 @@ mod tests {
         for name in Behavior::NAMES {
             assert_eq!(name.parse::<Behavior>().expect(name).name(), name);
         }
+        assert_eq!("home".parse::<Behavior>().expect("home").name(), "home");
         let chain: Behavior = "avoid-right,wall-right,nest".parse().expect("a chain");
         assert_eq!(chain.name(), "avoid-right,wall-right,nest");
         assert_eq!(chain.parts().len(), 3);

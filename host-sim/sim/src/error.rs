@@ -15,6 +15,8 @@ pub enum EpisodeError {
     Link(String),
     /// The log could not be written.
     Log(String),
+    /// The robot has no memory of places.
+    NoPlaces,
 }
 
 impl std::fmt::Display for EpisodeError {
@@ -27,6 +29,9 @@ impl std::fmt::Display for EpisodeError {
             ),
             Self::Stopped(reason) => write!(f, "the robot stopped: {}", stop_reason(*reason)),
             Self::Link(why) | Self::Log(why) => f.write_str(why),
+            Self::NoPlaces => f.write_str(
+                "the robot has no memory of places: home needs --robot with sensors on its body, and no --mind",
+            ),
         }
     }
 }

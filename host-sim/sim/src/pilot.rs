@@ -6,6 +6,7 @@ use amp::config::Config;
 use amp::controller::{self, Event, Outputs, State};
 use amp::faults::SensorVerdict;
 use amp::fixed::Mask;
+use amp::places::Aim;
 use amp::som::Grid;
 use amp::turret::BodySpec;
 use amp::units::{Millis, Range};
@@ -67,6 +68,14 @@ pub trait Pilot {
         (echoes.len(), all)
     }
 
+    /// From now on a robot that pursues a goal is led by its memory of places; `None`: it is not.
+    ///
+    /// # Errors
+    /// When it has no memory of places.
+    fn lead_to(&mut self, aim: Option<Aim>) -> Result<(), EpisodeError> {
+        aim.map_or(Ok(()), |_| Err(EpisodeError::NoPlaces))
+    }
+
     /// Why it cannot continue; `None` while it can.
     fn failure(&self) -> Option<EpisodeError> {
         None
@@ -97,6 +106,10 @@ impl<P: Pilot> Pilot for &mut P {
 
     fn echoes(&mut self, at: Millis, echoes: &[AgedEcho]) -> (usize, Outputs<16>) {
         (**self).echoes(at, echoes)
+    }
+
+    fn lead_to(&mut self, aim: Option<Aim>) -> Result<(), EpisodeError> {
+        (**self).lead_to(aim)
     }
 
     fn failure(&self) -> Option<EpisodeError> {

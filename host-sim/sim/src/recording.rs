@@ -110,7 +110,7 @@ pub struct Recording {
     pub goal_place: Option<Point>,
     /// Radius of the collision disc, meters.
     pub robot_radius_m: f64,
-    /// The random moves.
+    /// The random moves; before the behavior `home` the steps of the tour.
     pub exploration: Vec<Step>,
     /// The decisions taken while seeking the goal.
     pub seeking: Vec<Step>,

@@ -8,6 +8,7 @@ use amp::body::{Body as _, MountedSensors};
 use amp::config::Config;
 use amp::controller::{Event, Mode, Outputs, State};
 use amp::fixed::Mask;
+use amp::places::Aim;
 use amp::shield::ShieldConfig;
 use amp::som::Grid;
 use amp::turret::{self, BodySpec, VirtualTurret};
@@ -15,9 +16,11 @@ use amp::units::{Millis, Range};
 
 /// Points that the robot remembers.
 const POINTS: usize = 256;
+/// Places that it remembers.
+const RECORDS: usize = 256;
 
 /// A robot's body as the controller in this process has it, as large as on the chip.
-pub type SimBody = MountedSensors<16, MAX_BEAMS, POINTS>;
+pub type SimBody = MountedSensors<16, MAX_BEAMS, POINTS, RECORDS>;
 
 /// The controller in this process, of a robot whose sensors stand anywhere.
 pub struct TurretController {
@@ -87,7 +90,7 @@ impl TurretController {
 pub struct TurretPolicy<P> {
     config: Config<16>,
     body: BodySpec<MAX_BEAMS>,
-    turret: Box<VirtualTurret<16, POINTS>>,
+    turret: Box<VirtualTurret<16, POINTS, 0>>,
     ring: RingPilot<P>,
 }
 
@@ -176,6 +179,11 @@ impl<P: Policy> Pilot for TurretPolicy<P> {
 impl Pilot for TurretController {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         self.body.handle(&self.config, &mut self.state, at, event)
+    }
+
+    fn lead_to(&mut self, aim: Option<Aim>) -> Result<(), EpisodeError> {
+        self.body.lead_to(aim);
+        Ok(())
     }
 }
 
@@ -307,6 +315,23 @@ mod tests {
         });
         let contacts = contacts.sum::<u32>();
         assert!((3..20).contains(&contacts), "{contacts}");
+    }
+
+    #[test]
+    fn a_robot_led_by_its_places_comes_home() {
+        for (seed, tour) in [(3, 200), (4, 200)] {
+            let model = RobotModel::builtin("p3dx").expect("built in");
+            let robot = AnyRobot::new(model, Ranges::Nomad, false).expect("it fits");
+            let setup = Setup {
+                behavior: Behavior::Home { tour },
+                ..setup(robot, SonarModel::Ideal, 200, seed)
+            };
+            let world = World::random2(seed);
+            let report = run(&world, &setup, |_, _, _| {}).expect("it drives").report;
+            assert_eq!((report.success, report.contacts), (1.0, 0), "{seed}");
+            // It stops there.
+            assert!(report.steps < 200 && report.goal_steps == 1, "{report:?}");
+        }
     }
 
     #[test]

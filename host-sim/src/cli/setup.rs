@@ -58,6 +58,9 @@ pub struct SetupArgs {
     /// After exploring, a second robot drives around in the world
     #[arg(long)]
     second_robot: bool,
+    /// Steps of driving around before the behavior home [default: 500]
+    #[arg(long, value_name = "STEPS")]
+    tour: Option<u32>,
     #[command(flatten)]
     robot: RobotArgs,
     /// Whether the ring keeps its bearing in the world or turns with the heading
@@ -140,6 +143,14 @@ impl SetupArgs {
         Ok(robot)
     }
 
+    fn behavior(&self) -> Result<Behavior, BadInput> {
+        match (&self.task.behavior, self.tour) {
+            (Behavior::Home { .. }, Some(tour)) => Ok(Behavior::Home { tour }),
+            (_, Some(_)) => Err(BadInput::new("--tour: only with --behavior home")),
+            (behavior, None) => Ok(behavior.clone()),
+        }
+    }
+
     /// The setup of an episode of one step, without a recording.
     ///
     /// # Errors
@@ -154,7 +165,7 @@ impl SetupArgs {
                 Some(robot) => robot.config(config),
             },
             preset: task.preset.name().to_owned(),
-            behavior: task.behavior.clone(),
+            behavior: self.behavior()?,
             explore_moves: task.explore,
             steps: 1,
             seed: task.seed,

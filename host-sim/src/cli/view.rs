@@ -194,6 +194,11 @@ fn start(args: &ViewArgs) -> Result<SimulatorStart, BadInput> {
         )));
     };
     let setup = args.setup.setup()?;
+    if setup.behavior.needs_places() {
+        return Err(BadInput::new(
+            "--behavior home: the page does not lead a robot home yet (run --out draws it)",
+        ));
+    }
     let of_robot = |config: Config<16>| match &setup.robot {
         None => config,
         Some(robot) => robot.config(config),

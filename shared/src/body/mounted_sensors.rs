@@ -9,6 +9,7 @@ use crate::controller::{
     Command, CommandRefusal, Event, Mode, Outputs, Progress, State, handle, refused, stale,
 };
 use crate::fixed::Mask;
+use crate::places::Aim;
 use crate::turret::{self, BodySpec, VirtualTurret};
 use crate::units::Millis;
 
@@ -23,12 +24,17 @@ const MOVES_TO_FIND: u8 = 60;
 /// that think ([`Mode::Calibrate`]). The random moves that follow for the maps teach that as well:
 /// [`Command::Learn`] begins with it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct MountedSensors<const SECTORS: usize, const BEAMS: usize, const POINTS: usize> {
+pub struct MountedSensors<
+    const SECTORS: usize,
+    const BEAMS: usize,
+    const POINTS: usize,
+    const RECORDS: usize,
+> {
     /// As it was told.
     told: BodySpec<BEAMS>,
     /// As it is known now.
     known: BodySpec<BEAMS>,
-    turret: VirtualTurret<SECTORS, POINTS>,
+    turret: VirtualTurret<SECTORS, POINTS, RECORDS>,
     babble: Babble<BEAMS>,
     solver: Solver<BEAMS>,
     /// Told to calibrate, it is also to find what the base makes of its commands.
@@ -39,8 +45,8 @@ pub struct MountedSensors<const SECTORS: usize, const BEAMS: usize, const POINTS
     moves_unknown: u8,
 }
 
-impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
-    MountedSensors<SECTORS, BEAMS, POINTS>
+impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize, const RECORDS: usize>
+    MountedSensors<SECTORS, BEAMS, POINTS, RECORDS>
 {
     /// Nothing has been [told](Self::tell): a ring on a held turret.
     #[must_use]
@@ -67,6 +73,11 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
         (self.listens, self.moves_unknown) = (false, 0);
     }
 
+    /// As [`VirtualTurret::lead_to`].
+    pub const fn lead_to(&mut self, aim: Option<Aim>) {
+        self.turret.lead_to(aim);
+    }
+
     /// The body as it is known.
     #[must_use]
     pub const fn known(&self) -> &BodySpec<BEAMS> {
@@ -75,7 +86,7 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
 
     /// The points, and the ring read off them.
     #[must_use]
-    pub const fn turret(&self) -> &VirtualTurret<SECTORS, POINTS> {
+    pub const fn turret(&self) -> &VirtualTurret<SECTORS, POINTS, RECORDS> {
         &self.turret
     }
 
@@ -239,16 +250,16 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
     }
 }
 
-impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize> Default
-    for MountedSensors<SECTORS, BEAMS, POINTS>
+impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize, const RECORDS: usize> Default
+    for MountedSensors<SECTORS, BEAMS, POINTS, RECORDS>
 {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize> Body<SECTORS>
-    for MountedSensors<SECTORS, BEAMS, POINTS>
+impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize, const RECORDS: usize>
+    Body<SECTORS> for MountedSensors<SECTORS, BEAMS, POINTS, RECORDS>
 {
     const NEW: Self = Self::new();
 

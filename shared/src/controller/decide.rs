@@ -1,7 +1,7 @@
 //! A decision: a complete ring and a standing base become a random move or a step towards the goal.
 
 use super::motion::Pending;
-use super::search::SearchProgress;
+use super::search::wandering_goal;
 use super::tracked::Tracked;
 use super::{Decision, Mode, Motion, Outputs, State, StopReason};
 use crate::action_map::Effect;
@@ -9,12 +9,15 @@ use crate::config::{Config, LearnFrom, PlannerKind};
 use crate::fixed::Mask;
 use crate::goal::{Goal, GoalFrame};
 use crate::memory::{self, Sample};
-use crate::planner::{NEXT_COURSE, Plan, Planner, Why};
+use crate::planner::{Plan, Planner, Why};
 use crate::scan::{Aligned, Situation};
 use crate::shield::Allowed;
 use crate::som::Neighborhood;
 use crate::som::Update;
 use crate::units::{Bearing, Direction, Displacement, Millis};
+
+/// The end of a way is reached within this, millimeters.
+const ARRIVED_MM: u32 = 100;
 
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     State<SENSORS, NEURONS, SAMPLES>
@@ -128,8 +131,15 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             return None;
         };
         let (search, course) = (&mut self.search, &mut self.course);
-        let wandering = wandering_goal(config, enabled, situation, goal, search, course);
-        if wandering.is_some() {
+        let leading = self.leg.map(|leg| {
+            *course = Tracked::new(leg.way.with_length(config.robot.step_mm));
+            Goal::leading(config, leg.room_mm)
+        });
+        let wandering = match &leading {
+            Some(_) => None,
+            None => wandering_goal(config, enabled, situation, goal, search, course),
+        };
+        if wandering.is_some() || leading.is_some() {
             self.last_plan.forget_cost();
         }
         let planner = Planner {
@@ -142,13 +152,22 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             course: self.course.now(),
             cut,
         };
-        let goal = wandering.as_ref().unwrap_or(goal);
+        let goal = leading.as_ref().or(wandering.as_ref()).unwrap_or(goal);
         let mut plan = planner.plan_next(situation, goal, &mut self.last_plan);
         let travel = self.last_plan.travel();
         if wandering.is_some() {
             self.last_plan.forget_cost();
             plan.at_goal = false;
             plan.why = Why::Wander;
+        }
+        if let Some(leg) = self.leg {
+            self.last_plan.forget_cost();
+            plan.at_goal = leg.is_last && leg.way.is_shorter_than(ARRIVED_MM);
+            plan.action = if plan.at_goal {
+                Displacement::ZERO
+            } else {
+                plan.action.shortened(leg.way.length_mm())
+            };
         }
         // A robot that backs away from what it follows keeps facing it.
         let keeps_facing = goal.frame == GoalFrame::Travel && goal.progress_q16 == 0;
@@ -371,28 +390,4 @@ fn same_surfaces<const SENSORS: usize>(
 ) -> Mask {
     let largest_mm = config.learning.largest_change_mm;
     config.encoding.changed_within(before, after, largest_mm)
-}
-
-/// The goal of a robot that wanders, instead of its own: obstacle avoidance on another course.
-/// `None` if it does not wander.
-fn wandering_goal<const SENSORS: usize>(
-    config: &Config<SENSORS>,
-    enabled: Mask,
-    situation: &Situation<SENSORS>,
-    goal: &Goal<SENSORS>,
-    search: &mut SearchProgress,
-    course: &mut Tracked,
-) -> Option<Goal<SENSORS>> {
-    let wander = config.planning.wander?;
-    if goal.progress_q16 > 0 || goal.frame != GoalFrame::Ring {
-        return None;
-    }
-    let deviation = goal.cost(0, enabled, situation, i64::MAX);
-    if goal.is_met_by(deviation, goal.asked(0, enabled)) {
-        *search = SearchProgress::NEW;
-    } else if search.is_stuck(deviation, wander) {
-        let onward = course.now().with_length(config.robot.step_mm);
-        *course = Tracked::new(onward.rotated(NEXT_COURSE.direction()));
-    }
-    search.wanders().then(|| Goal::avoiding(config))
 }

@@ -1,6 +1,11 @@
 //! Progress towards a place, and when the robot wanders because there is none.
 
-use crate::config::Wander;
+use super::tracked::Tracked;
+use crate::config::{Config, Wander};
+use crate::fixed::Mask;
+use crate::goal::{Goal, GoalFrame};
+use crate::planner::NEXT_COURSE;
+use crate::scan::Situation;
 
 /// How the search for a place goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,6 +58,30 @@ impl SearchProgress {
     pub(super) const fn wanders(&self) -> bool {
         self.left > 0
     }
+}
+
+/// The goal of a robot that wanders, instead of its own: obstacle avoidance on another course.
+/// `None` if it does not wander.
+pub(super) fn wandering_goal<const SENSORS: usize>(
+    config: &Config<SENSORS>,
+    enabled: Mask,
+    situation: &Situation<SENSORS>,
+    goal: &Goal<SENSORS>,
+    search: &mut SearchProgress,
+    course: &mut Tracked,
+) -> Option<Goal<SENSORS>> {
+    let wander = config.planning.wander?;
+    if goal.progress_q16 > 0 || goal.frame != GoalFrame::Ring {
+        return None;
+    }
+    let deviation = goal.cost(0, enabled, situation, i64::MAX);
+    if goal.is_met_by(deviation, goal.asked(0, enabled)) {
+        *search = SearchProgress::NEW;
+    } else if search.is_stuck(deviation, wander) {
+        let onward = course.now().with_length(config.robot.step_mm);
+        *course = Tracked::new(onward.rotated(NEXT_COURSE.direction()));
+    }
+    search.wanders().then(|| Goal::avoiding(config))
 }
 
 #[cfg(test)]

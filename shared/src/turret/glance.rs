@@ -24,7 +24,9 @@ const AHEAD: [Bearing; 5] = [
 /// A body sees there if a sensor's axis is as near as this: 22.5°.
 const SEES_WITHIN: u16 = 65_536_u32.div_ceil(16) as u16;
 
-impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
+impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
+    VirtualTurret<SECTORS, POINTS, RECORDS>
+{
     /// Whether it looks around. A base that takes longer than it may is waited for no more.
     pub(super) fn is_glancing(&self, at: Millis, longest_ms: u16) -> bool {
         let since = self.glance_since;
@@ -32,8 +34,8 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
     }
 }
 
-impl<C, const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
-    Robot<'_, C, SECTORS, BEAMS, POINTS>
+impl<C, const SECTORS: usize, const BEAMS: usize, const POINTS: usize, const RECORDS: usize>
+    Robot<'_, C, SECTORS, BEAMS, POINTS, RECORDS>
 where
     C: RingController<SECTORS>,
 {

@@ -44,7 +44,9 @@ impl Hull {
     }
 }
 
-impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
+impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
+    VirtualTurret<SECTORS, POINTS, RECORDS>
+{
     /// The body has touched something on its way.
     pub(super) fn touched(&mut self) {
         if let Some(nearest_mm) = self.memory.nearest_mm(self.course) {
@@ -64,8 +66,8 @@ impl<const SECTORS: usize, const POINTS: usize> VirtualTurret<SECTORS, POINTS> {
     }
 }
 
-impl<C, const SECTORS: usize, const BEAMS: usize, const POINTS: usize>
-    Robot<'_, C, SECTORS, BEAMS, POINTS>
+impl<C, const SECTORS: usize, const BEAMS: usize, const POINTS: usize, const RECORDS: usize>
+    Robot<'_, C, SECTORS, BEAMS, POINTS, RECORDS>
 where
     C: RingController<SECTORS>,
 {

@@ -3,6 +3,7 @@
 use crate::config::Config;
 use crate::controller::{self, Event, Mode, Outputs, State};
 use crate::fixed::Mask;
+use crate::places::Leg;
 use crate::units::Millis;
 
 /// A controller that decides by whole rings of a turret that keeps its bearing: [`State`], or a
@@ -41,6 +42,10 @@ pub trait RingController<const SECTORS: usize> {
 
     /// Ends the motion under way before it began: nothing is learned from it.
     fn abandon_motion(&mut self, at: Millis);
+
+    /// At the next decision it goes about along this way, if there is one; a rule of its own may go
+    /// where it will.
+    fn lead(&mut self, _leg: Option<Leg>) {}
 }
 
 impl<const SECTORS: usize, const NEURONS: usize, const SAMPLES: usize> RingController<SECTORS>
@@ -85,5 +90,9 @@ impl<const SECTORS: usize, const NEURONS: usize, const SAMPLES: usize> RingContr
 
     fn abandon_motion(&mut self, at: Millis) {
         Self::abandon_motion(self, at);
+    }
+
+    fn lead(&mut self, leg: Option<Leg>) {
+        Self::lead(self, leg);
     }
 }

@@ -54,7 +54,7 @@ pub(crate) fn even_body(count: usize, guard_mm: Option<u16>) -> BodySpec<16> {
 struct Rig {
     config: Config<16>,
     body: BodySpec<16>,
-    turret: VirtualTurret<16, 256>,
+    turret: VirtualTurret<16, 256, 0>,
     state: NomadState,
     ms: u32,
 }

@@ -1,6 +1,7 @@
 //! Observes a driver: time until no obstacle is near again, and wall time per decision.
 
 use amp::controller::{Command, Event, Outputs};
+use amp::places::Aim;
 use amp::turret::BodySpec;
 use amp::units::{Millis, Range};
 use sim::error::EpisodeError;
@@ -93,6 +94,10 @@ impl<P: Pilot> Pilot for ObservedDriver<P> {
             self.decided(at);
         }
         outputs
+    }
+
+    fn lead_to(&mut self, aim: Option<Aim>) -> Result<(), EpisodeError> {
+        self.driver.lead_to(aim)
     }
 
     fn failure(&self) -> Option<EpisodeError> {

@@ -4,6 +4,7 @@ use super::{Knowledge, LinkError, RemoteController, Session, next_number};
 use amp::config::Config;
 use amp::controller::{Event, Mode, Outputs};
 use amp::fixed::Mask;
+use amp::places::Aim;
 use amp::turret::BodySpec;
 use amp::units::{Millis, Range};
 use files::error::BadInput;
@@ -226,6 +227,14 @@ impl Pilot for AnyController {
             Self::Host(controller) => controller.echoes(at, echoes),
             Self::Body(controller, _) => controller.echoes(at, echoes),
             Self::Link(remote) => remote.controller.echoes(at, echoes),
+        }
+    }
+
+    fn lead_to(&mut self, aim: Option<Aim>) -> Result<(), EpisodeError> {
+        match self {
+            Self::Host(controller) => controller.lead_to(aim),
+            Self::Body(controller, _) => controller.lead_to(aim),
+            Self::Link(remote) => remote.controller.lead_to(aim),
         }
     }
 

@@ -3,6 +3,7 @@
 use super::record::{AnswerRecord, EchoRecord, EventKind, EventRecord, SetupRecord};
 use super::shared::SharedLog;
 use amp::controller::{Command, Event, Outputs};
+use amp::places::Aim;
 use amp::units::Millis;
 use arena::world::World;
 use sim::episode::{Body, Observer, StepResult};
@@ -137,6 +138,10 @@ impl<P: Pilot, W: Write + Seek> Pilot for LoggedPilot<P, W> {
             self.write_event(at, EventKind::Echoes(records), &outputs);
         }
         (taken, outputs)
+    }
+
+    fn lead_to(&mut self, aim: Option<Aim>) -> Result<(), EpisodeError> {
+        self.pilot.lead_to(aim)
     }
 
     fn failure(&self) -> Option<EpisodeError> {

@@ -7,6 +7,9 @@ use crate::behavior::{self, Behavior};
 use crate::error::EpisodeError;
 use crate::pilot::{LocalController, Pilot};
 use amp::controller::Command;
+use amp::goal::Goal;
+use amp::places::Aim;
+use amp::units::Displacement;
 use arena::world::World;
 
 /// Time of carrying the robot, s: after this time the shield has discarded all echoes.
@@ -69,19 +72,26 @@ impl EpisodeRunner<'_> {
         setup: &Setup,
         mut progress: impl FnMut(u32),
     ) -> Result<(), EpisodeError> {
+        if let Behavior::Home { tour } = setup.behavior {
+            self.tour(pilot, setup, tour, &mut progress)?;
+        }
         let parts = setup.behavior.parts();
         let alone = parts.len() == 1;
         for (number, part) in parts.iter().enumerate() {
             (self.behavior, self.part) = (part.clone(), number);
+            let is_home = matches!(part, Behavior::Home { .. });
+            pilot.lead_to(is_home.then_some(Aim::Position(Displacement::ZERO)))?;
             let mut goal = part.goal(&setup.config, &self.nest);
-            if *part == Behavior::Nest {
+            if matches!(part, Behavior::Nest | Behavior::Home { .. }) {
                 goal = goal.for_known(self.nest_known);
             }
             self.command(pilot, Command::Seek(goal))?;
             let begun = self.metrics.clone();
             // A single behavior uses all steps; in a chain each decision may be the last.
-            let is_over =
-                |now: &Metrics| now.steps >= setup.steps || !alone && is_reached(part, &begun, now);
+            let is_over = |now: &Metrics| {
+                let ends = !alone || is_home;
+                now.steps >= setup.steps || ends && is_reached(part, &begun, now)
+            };
             self.drive(pilot, is_over, &mut progress)?;
             if !is_reached(part, &begun, &self.metrics) {
                 return Ok(());
@@ -89,6 +99,23 @@ impl EpisodeRunner<'_> {
             let is_there = !matches!(part, Behavior::Nest) || self.measure.at_nest();
             self.measure.reached += u32::from(is_there);
         }
+        Ok(())
+    }
+}
+
+impl EpisodeRunner<'_> {
+    /// Drives around to where it has not been.
+    fn tour(
+        &mut self,
+        pilot: &mut impl Pilot,
+        setup: &Setup,
+        steps: u32,
+        mut progress: impl FnMut(u32),
+    ) -> Result<(), EpisodeError> {
+        pilot.lead_to(Some(Aim::Frontier))?;
+        self.command(pilot, Command::Seek(Goal::avoiding(&setup.config)))?;
+        self.drive(pilot, |now| now.steps >= steps, &mut progress)?;
+        self.next_phase(self.world);
         Ok(())
     }
 }

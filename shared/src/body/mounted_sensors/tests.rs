@@ -7,7 +7,7 @@ use crate::turret::Mount;
 use crate::turret::tests::even_body;
 use crate::units::{Bearing, Displacement, Range};
 
-type Sensors = MountedSensors<16, 16, 256>;
+type Sensors = MountedSensors<16, 16, 256, 0>;
 
 fn spec() -> BodySpec<16> {
     even_body(8, Some(90))

@@ -18,7 +18,7 @@ const DECISIONS: usize = 32;
 const MOVES: u16 = 20;
 
 /// A body in static memory: it is too large for the stack.
-pub type Sensors = MountedSensors<16, 16, 256>;
+pub type Sensors = MountedSensors<16, 16, 256, 0>;
 
 /// Instructions by kind of event.
 #[derive(Default)]

@@ -145,7 +145,7 @@ fn events() {
 
 fn bodies() {
     let mut state = any(NomadState::new(grid()));
-    let mut body = any(MountedSensors::<16, 16, 256>::new());
+    let mut body = any(MountedSensors::<16, 16, 256, 0>::new());
     sink(body.handle(&config(), &mut state, now(), event()));
     sink(body.replace(bytes()));
     let mut room = any([0; MAX_CONFIG]);

@@ -1,0 +1,140 @@
+//! A place, and the free ways around it.
+
+use crate::points::PointMemory;
+use crate::units::{Bearing, Displacement};
+
+/// Directions in which free ways are noted, evenly spaced, counter-clockwise from the frame's x
+/// axis.
+pub(super) const WAYS: usize = 32;
+/// Free ways are kept in units of so many millimeters, up to 15 of them.
+const UNIT_MM: u16 = 100;
+const MOST_MM: u16 = 15 * UNIT_MM;
+/// What lies at the end of a free way is looked for at most this far away, millimeters.
+const END_MM: u16 = 600;
+/// Places that the robot went to from here: the oldest goes.
+const LINKS: usize = 6;
+/// No place.
+const NOWHERE: u16 = u16::MAX;
+
+/// A place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Record {
+    /// From the start.
+    pub(super) at: Displacement,
+    pub(super) free: FreeWays,
+    /// Ways whose ends no record covers, a bit for each.
+    pub(super) open: u32,
+    /// Ways that did not go.
+    pub(super) tried: u32,
+    links: [u16; LINKS],
+}
+
+impl Record {
+    /// A place of which nothing else is known.
+    pub(super) const fn at(at: Displacement) -> Self {
+        Self {
+            at,
+            free: FreeWays::NONE,
+            open: 0,
+            tried: 0,
+            links: [NOWHERE; LINKS],
+        }
+    }
+
+    pub(super) fn distance_mm(&self, position: Displacement) -> u16 {
+        position.minus(self.at).length_mm()
+    }
+
+    /// Where a free way ends, or is far enough to be explored.
+    pub(super) fn end_of(&self, way: usize) -> Displacement {
+        let length_mm = self.free.length_mm(way).min(END_MM);
+        self.at.plus(Displacement::along(
+            Bearing::of_place(way, WAYS),
+            length_mm.into(),
+        ))
+    }
+
+    /// Whether a way is long enough to end outside of this place, and has not been tried.
+    pub(super) fn may_open(&self, way: usize, spacing_mm: u16) -> bool {
+        self.tried & (1 << way) == 0 && self.free.length_mm(way) >= spacing_mm + 50
+    }
+
+    /// The open ways.
+    pub(super) fn frontiers(&self) -> impl Iterator<Item = u8> + use<> {
+        let open = self.open;
+        (0..WAYS as u8).filter(move |way| open & (1 << way) != 0)
+    }
+
+    /// A new place covers the ends of these ways.
+    pub(super) fn close_frontiers(&mut self, position: Displacement, spacing_mm: u16) {
+        for way in self.frontiers() {
+            let end = self.end_of(way.into());
+            if position.minus(end).length_mm() < spacing_mm {
+                self.open &= !(1 << way);
+            }
+        }
+    }
+
+    /// The robot went there from here.
+    pub(super) fn link(&mut self, to: u16) {
+        if !self.was_gone_to(to) {
+            self.links.rotate_right(1);
+            if let Some(newest) = self.links.first_mut() {
+                *newest = to;
+            }
+        }
+    }
+
+    /// That way is blocked now.
+    pub(super) fn unlink(&mut self, to: u16) {
+        for link in self.links.iter_mut().filter(|link| **link == to) {
+            *link = NOWHERE;
+        }
+    }
+
+    pub(super) fn was_gone_to(&self, to: u16) -> bool {
+        self.links.contains(&to)
+    }
+}
+
+/// How far the body may go in each direction, four bits each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct FreeWays([u8; WAYS / 2]);
+
+impl FreeWays {
+    const NONE: Self = Self([0; WAYS / 2]);
+
+    /// Free ways from a position beside the robot, for a disc of `radius_mm`.
+    pub(super) fn around<const POINTS: usize>(
+        points: &PointMemory<POINTS>,
+        from: Displacement,
+        radius_mm: u16,
+    ) -> Self {
+        let mut free = Self::NONE;
+        for (pair, cell) in free.0.iter_mut().enumerate() {
+            let units = |way: usize| {
+                let way = Displacement::along(Bearing::of_place(way, WAYS), MOST_MM.into());
+                (points.free_from_mm(from, way, radius_mm) / UNIT_MM).min(15) as u8
+            };
+            *cell = units(2 * pair) | units(2 * pair + 1) << 4;
+        }
+        free
+    }
+
+    pub(super) fn length_mm(&self, way: usize) -> u16 {
+        let pair = self.0.get(way / 2).copied().unwrap_or(0);
+        let units = if way.is_multiple_of(2) {
+            pair & 15
+        } else {
+            pair >> 4
+        };
+        u16::from(units) * UNIT_MM
+    }
+
+    /// How far the body may go about along this way.
+    pub(super) fn reach_mm(&self, way: Displacement) -> u16 {
+        let turns = way.bearing().as_turns();
+        let steps = turns.wrapping_add(1 << 10) >> 11;
+        self.length_mm(usize::from(steps) % WAYS)
+    }
+}

@@ -1,0 +1,209 @@
+use super::*;
+use crate::points::{Beam, PointLimits};
+use crate::units::{Bearing, Range};
+
+const LIMITS: PlaceLimits = PlaceLimits::NOMAD;
+const BODY_MM: f64 = 269.0;
+const FACE_MM: f64 = 231.0;
+
+/// Walls between two points, millimeters.
+type Walls = [[f64; 4]];
+
+/// Two rooms of 2 m × 4 m; the wall between them ends 1.2 m before the upper one.
+const TWO_ROOMS: [[f64; 4]; 5] = [
+    [-2_000.0, -2_000.0, 2_000.0, -2_000.0],
+    [2_000.0, -2_000.0, 2_000.0, 2_000.0],
+    [2_000.0, 2_000.0, -2_000.0, 2_000.0],
+    [-2_000.0, 2_000.0, -2_000.0, -2_000.0],
+    [0.0, -2_000.0, 0.0, 800.0],
+];
+
+/// A robot that goes where it is led, in a straight line.
+struct Walker<'a> {
+    walls: &'a Walls,
+    start: (f64, f64),
+    points: PointMemory<256>,
+    places: Places<256>,
+    way_mm: f64,
+}
+
+impl<'a> Walker<'a> {
+    fn new(walls: &'a Walls, start: (f64, f64)) -> Self {
+        Self {
+            walls,
+            start,
+            points: PointMemory::new(),
+            places: Places::new(),
+            way_mm: 0.0,
+        }
+    }
+
+    fn position(&self) -> (f64, f64) {
+        let here = self.places.here();
+        (
+            self.start.0 + f64::from(here.dx_mm),
+            self.start.1 + f64::from(here.dy_mm),
+        )
+    }
+
+    fn clearance_mm(&self) -> f64 {
+        let (x, y) = self.position();
+        let distances = self.walls.iter().map(|[ax, ay, bx, by]| {
+            let (ux, uy) = (bx - ax, by - ay);
+            let along = ((x - ax) * ux + (y - ay) * uy) / (ux * ux + uy * uy);
+            let along = along.clamp(0.0, 1.0);
+            libm::hypot(x - ax - along * ux, y - ay - along * uy)
+        });
+        distances.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Distance to the nearest wall along a ray from the center.
+    fn ray_mm(&self, angle: f64) -> f64 {
+        let (x, y) = self.position();
+        let (dx, dy) = (libm::cos(angle), libm::sin(angle));
+        let distances = self.walls.iter().filter_map(|[ax, ay, bx, by]| {
+            let (ux, uy) = (bx - ax, by - ay);
+            let cross = dx * uy - dy * ux;
+            let far = ((ax - x) * uy - (ay - y) * ux) / cross;
+            let along = ((ax - x) * dy - (ay - y) * dx) / cross;
+            (cross.abs() > 1e-9 && far > 0.0 && (0.0..=1.0).contains(&along)).then_some(far)
+        });
+        distances.fold(10_000.0, f64::min)
+    }
+
+    fn look(&mut self) {
+        for sensor in 0..16 {
+            let axis = Bearing::of_place(sensor, 16);
+            let middle = sensor as f64 * core::f64::consts::TAU / 16.0;
+            let cone = (-5..=5).map(|part| self.ray_mm(middle + f64::from(part) * 0.0436));
+            let nearest = cone.fold(f64::INFINITY, f64::min);
+            let beam = Beam {
+                mount: Displacement::along(axis, FACE_MM as i32),
+                axis,
+                range: Range::from_mm((nearest - FACE_MM).max(0.0) as u16),
+                is_echo: true,
+            };
+            self.points.hear(&PointLimits::NOMAD, &beam);
+        }
+        self.places.perceive(&LIMITS, &self.points);
+    }
+
+    /// A decision and its step; the leg, if there is one.
+    fn step(&mut self, aim: Aim) -> Option<Leg> {
+        self.look();
+        let leg = self.places.lead(&LIMITS, &self.points, aim)?;
+        let step = leg.way.shortened(250);
+        self.way_mm += f64::from(step.length_mm());
+        self.points.moved(&PointLimits::NOMAD, step, Bearing::ZERO);
+        self.places.moved(step);
+        assert!(self.clearance_mm() > BODY_MM, "it touches the wall");
+        Some(leg)
+    }
+
+    /// Steps until it is there.
+    fn go_to(&mut self, goal: Displacement) -> usize {
+        let arrives = |walker: &mut Self| {
+            walker.step(Aim::Position(goal));
+            goal.minus(walker.places.here()).is_shorter_than(20)
+        };
+        let steps = (1..=200).find(|_| arrives(self));
+        steps.expect("it arrives")
+    }
+}
+
+fn to(dx_mm: i16, dy_mm: i16) -> Displacement {
+    Displacement { dx_mm, dy_mm }
+}
+
+#[test]
+fn a_goal_behind_a_wall_is_found_and_the_way_back_is_short() {
+    let mut walker = Walker::new(&TWO_ROOMS, (-1_000.0, -1_400.0));
+    walker.go_to(to(2_000, 0));
+    walker.way_mm = 0.0;
+    walker.go_to(Displacement::ZERO);
+    // Around the end of the wall, at 0.29 m from it: 5.37 m at least.
+    assert!(walker.way_mm < 6_500.0, "{}", walker.way_mm);
+}
+
+#[test]
+fn it_goes_where_it_has_not_been_until_it_has_been_everywhere() {
+    let mut walker = Walker::new(&TWO_ROOMS, (-1_000.0, -1_400.0));
+    let steps = (0..400).find(|_| walker.step(Aim::Frontier).is_none());
+    assert!(steps.is_some_and(|steps| steps < 200), "{steps:?}");
+    let places: std::vec::Vec<_> = walker.places.positions().collect();
+    assert!((30..120).contains(&places.len()), "{}", places.len());
+    for (x, y) in [(2_600, 3_000), (2_600, -200), (-600, 3_000), (1_000, 2_800)] {
+        let is_near = |place: &Displacement| place.minus(to(x, y)).is_shorter_than(600);
+        assert!(places.iter().any(is_near), "{x} {y}");
+    }
+    for (number, place) in places.iter().enumerate() {
+        let near = places
+            .iter()
+            .filter(|other| other.minus(*place).is_shorter_than(350));
+        assert_eq!(near.count(), 1, "place {number} stands alone");
+    }
+}
+
+#[test]
+fn nothing_leads_through_a_wall() {
+    let mut closed = TWO_ROOMS;
+    closed[4][3] = 2_000.0;
+    let mut walker = Walker::new(&closed, (-1_000.0, -1_400.0));
+    for _ in 0..300 {
+        walker.step(Aim::Position(to(2_000, 0)));
+        assert!(walker.position().0 < -BODY_MM);
+    }
+}
+
+#[test]
+fn a_robot_that_cannot_go_on_is_led_elsewhere() {
+    let mut walker = Walker::new(&TWO_ROOMS, (-1_000.0, -1_400.0));
+    walker.go_to(to(2_000, 0));
+    // It is sent back and its base does not move.
+    let mut ways = std::vec::Vec::new();
+    for _ in 0..60 {
+        walker.look();
+        let leg = walker
+            .places
+            .lead(&LIMITS, &walker.points, Aim::Position(Displacement::ZERO));
+        ways.extend(leg.map(|leg| leg.way));
+    }
+    assert!(ways.iter().any(|way| *way != ways[0]), "{ways:?}");
+}
+
+#[test]
+fn the_leg_tells_how_much_room_it_leaves_and_whether_it_is_the_last() {
+    let mut walker = Walker::new(&TWO_ROOMS, (-1_000.0, -1_200.0));
+    let leg = walker.step(Aim::Position(to(0, 600))).expect("a way");
+    assert_eq!((leg.way, leg.room_mm, leg.is_last), (to(0, 600), 400, true));
+    let mut walker = Walker::new(&TWO_ROOMS, (-1_500.0, -1_200.0));
+    let leg = walker.step(Aim::Position(to(0, 600))).expect("a way");
+    // The wall is 0.5 m away.
+    assert_eq!((leg.room_mm, leg.is_last), (75, true));
+    let leg = walker.step(Aim::Position(to(2_600, 0))).expect("a way");
+    assert!(!leg.is_last);
+}
+
+#[test]
+fn what_has_been_forgotten_is_unknown() {
+    let mut walker = Walker::new(&TWO_ROOMS, (-1_000.0, -1_400.0));
+    walker.go_to(to(0, 1_000));
+    walker.places.forget();
+    assert_eq!(walker.places.positions().len(), 0);
+    assert_eq!(walker.places.here(), Displacement::ZERO);
+}
+
+#[test]
+fn a_full_memory_goes_on_with_what_it_has() {
+    let mut points = PointMemory::<64>::new();
+    let mut places = Places::<2>::new();
+    for _ in 0..5 {
+        places.perceive(&LIMITS, &points);
+        places.moved(to(500, 0));
+        points.moved(&PointLimits::NOMAD, to(500, 0), Bearing::ZERO);
+    }
+    assert_eq!(places.positions().len(), 2);
+    let mut none = Places::<0>::new();
+    none.perceive(&LIMITS, &points);
+    assert_eq!(none.lead(&LIMITS, &points, Aim::Frontier), None);
+}
