@@ -107,8 +107,9 @@ pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usiz
     last_plan: SearchCache,
     /// How the search for a place goes.
     search: SearchProgress,
-    /// The way on which a memory of places leads the robot.
-    leg: Option<Leg>,
+    /// The way on which a memory of places leads the robot, if it does. Zeros at first.
+    leg: Leg,
+    is_led: bool,
 }
 
 /// The state for the Nomad 200 with the paper's sizes.
@@ -149,7 +150,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             inhibited: [0; NEURONS],
             last_plan: SearchCache::NONE,
             search: SearchProgress::NEW,
-            leg: None,
+            leg: Leg::ZERO,
+            is_led: false,
         }
     }
 
@@ -234,7 +236,10 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 
     /// At the next decision it goes about along this way, if there is one, while it seeks.
     pub(crate) const fn lead(&mut self, leg: Option<Leg>) {
-        self.leg = leg;
+        self.is_led = leg.is_some();
+        if let Some(leg) = leg {
+            self.leg = leg;
+        }
     }
 
     /// The fault detector.

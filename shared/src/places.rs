@@ -73,12 +73,21 @@ pub struct Leg {
     pub is_last: bool,
 }
 
+impl Leg {
+    /// All zeros, for a robot that is not led.
+    pub(crate) const ZERO: Self = Self {
+        way: Displacement::ZERO,
+        room_mm: 0,
+        is_last: false,
+    };
+}
+
 /// A sub-goal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Target {
     position: Displacement,
-    /// The place that it is; `None` for the end of an open way and for the goal.
-    record: Option<u16>,
+    /// The place that it is; [`NOWHERE`] for the end of an open way and for the goal.
+    record: u16,
     /// For so many decisions it stays the sub-goal.
     left: u8,
 }
@@ -107,6 +116,9 @@ const STEADY: u8 = 8;
 const ROOMS_MM: [u16; 4] = [400, 250, 150, 75];
 /// A frontier that has not been reached after so many decisions is given up.
 const PATIENCE: u8 = 60;
+/// No place.
+const NOWHERE: u16 = u16::MAX;
+
 /// Places, at most `RECORDS` of them.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Places<const RECORDS: usize> {
@@ -269,9 +281,9 @@ impl<const RECORDS: usize> Places<RECORDS> {
         let is_on_way = !to_next.is_shorter_than(50) && fits(to_next.shortened(SIGHT_MM));
         let is_there = to_place.is_shorter_than(REACHED_MM);
         let (position, record) = if is_there || is_on_way {
-            (next, self.wavefront.next(index))
+            (next, self.wavefront.next(index).unwrap_or(NOWHERE))
         } else {
-            (place, Some(index))
+            (place, index)
         };
         Some(Target {
             position,
@@ -374,8 +386,9 @@ impl<const RECORDS: usize> Places<RECORDS> {
 
     /// What the robot tries does not go.
     fn give_up(&mut self, limits: &PlaceLimits) {
-        let record = self.target.take().and_then(|target| target.record);
-        match (self.current, record) {
+        let target = self.target.take().map(|target| target.record);
+        let to = target.filter(|record| *record != NOWHERE);
+        match (self.current, to) {
             (Some(from), Some(to)) if from != to => self.graph.block(from, to),
             _ => self.close_frontier(limits),
         }

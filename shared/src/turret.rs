@@ -40,8 +40,9 @@ const FORGET_MS: u32 = 600_000;
 pub struct VirtualTurret<const SECTORS: usize, const POINTS: usize, const RECORDS: usize> {
     memory: PointMemory<POINTS>,
     places: Places<RECORDS>,
-    /// Where it is to be led while it pursues a goal.
-    aim: Option<Aim>,
+    /// Where it is to be led while it pursues a goal, if it is; zeros at first.
+    aim: Aim,
+    is_led: bool,
     odometer: Odometer,
     /// Sensors heard since the last motion ended, or since the last decision.
     fresh: Mask,
@@ -87,7 +88,8 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
         Self {
             memory: PointMemory::new(),
             places: Places::new(),
-            aim: None,
+            aim: Aim::Position(Displacement::ZERO),
+            is_led: false,
             odometer: Odometer::NEW,
             fresh: Mask::NONE,
             heard_at: Millis::from_ms(0),
@@ -109,7 +111,7 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
     pub fn restart(&mut self) {
         self.memory.restart();
         self.places.forget();
-        self.aim = None;
+        self.is_led = false;
         self.odometer = Odometer::NEW;
         (self.fresh, self.heard_at) = (Mask::NONE, Millis::from_ms(0));
         self.last_ring = [None; SECTORS];

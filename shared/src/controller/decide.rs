@@ -131,7 +131,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             return None;
         };
         let (search, course) = (&mut self.search, &mut self.course);
-        let leading = self.leg.map(|leg| {
+        let leg = self.is_led.then_some(self.leg);
+        let leading = leg.map(|leg| {
             *course = Tracked::new(leg.way.with_length(config.robot.step_mm));
             Goal::leading(config, leg.room_mm)
         });
@@ -160,7 +161,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             plan.at_goal = false;
             plan.why = Why::Wander;
         }
-        if let Some(leg) = self.leg {
+        if let Some(leg) = leg {
             self.last_plan.forget_cost();
             plan.at_goal = leg.is_last && leg.way.is_shorter_than(ARRIVED_MM);
             plan.action = if plan.at_goal {

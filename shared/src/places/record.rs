@@ -1,5 +1,6 @@
 //! A place, and the free ways around it.
 
+use super::NOWHERE;
 use crate::points::PointMemory;
 use crate::units::{Bearing, Displacement};
 
@@ -13,8 +14,6 @@ const MOST_MM: u16 = 15 * UNIT_MM;
 const END_MM: u16 = 600;
 /// Places that the robot went to from here: the oldest goes.
 const LINKS: usize = 6;
-/// No place.
-const NOWHERE: u16 = u16::MAX;
 
 /// A place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -15,7 +15,10 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
     /// From now on a robot that pursues a goal is led there; `None`: it finds its way by the goal
     /// alone.
     pub const fn lead_to(&mut self, aim: Option<Aim>) {
-        self.aim = aim;
+        self.is_led = aim.is_some();
+        if let Some(aim) = aim {
+            self.aim = aim;
+        }
     }
 }
 
@@ -29,7 +32,9 @@ where
         let limits = PlaceLimits::of_body(self.config.robot.body_radius_mm);
         let turret = &mut *self.turret;
         turret.places.perceive(&limits, &turret.memory);
-        let aim = turret.aim.filter(|_| self.controller.pursues_goal())?;
-        turret.places.lead(&limits, &turret.memory, aim)
+        if !turret.is_led || !self.controller.pursues_goal() {
+            return None;
+        }
+        turret.places.lead(&limits, &turret.memory, turret.aim)
     }
 }
