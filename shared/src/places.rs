@@ -101,8 +101,6 @@ struct Frontier {
 
 /// The robot sees a place that is not farther than this, millimeters.
 const SIGHT_MM: u16 = 1_600;
-/// Free ways are measured where the robot is so near to a place, millimeters.
-const AT_PLACE_MM: u32 = 160;
 /// A place is reached within this, millimeters.
 const REACHED_MM: u32 = 130;
 /// What a place on the way costs, millimeters: of two ways as long the straighter is taken.

@@ -295,7 +295,8 @@ impl Displacement {
     /// The same direction, at most so long.
     #[must_use]
     pub fn shortened(self, most_mm: u16) -> Self {
-        if self.length_mm() <= most_mm {
+        // Without a root where nothing is taken away.
+        if self.is_shorter_than(u32::from(most_mm).wrapping_add(1)) {
             self
         } else {
             self.with_length(most_mm)

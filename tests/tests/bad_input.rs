@@ -77,6 +77,9 @@ const TABLES: &[(&str, &[u8])] = &[
 ];
 
 const CASES: &[Case] = &[
+    ("run --behavior home", &["memory of places", "--robot"]),
+    ("run --robot p3dx --tour 5", &["--tour", "home"]),
+    ("view --robot p3dx --behavior home", &["home", "run --out"]),
     ("run --robot gone", &["gone", "p3dx"]),
     ("run --robot gone.toml", &["gone.toml"]),
     ("run --robot p3dx --geometry lerned", &["lerned", "learned"]),

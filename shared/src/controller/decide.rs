@@ -338,11 +338,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         plan: Option<&Plan<SENSORS>>,
     ) -> Outputs<SENSORS> {
         let (wanted, limit) = self.limit_motion(config, now, wanted, plan.is_some());
-        let allowed = if wanted.is_shorter_than(u32::from(limit.distance_mm).wrapping_add(1)) {
-            wanted
-        } else {
-            wanted.with_length(limit.distance_mm)
-        };
+        let allowed = wanted.shortened(limit.distance_mm);
         if allowed != Displacement::ZERO {
             self.blocked = 0;
         } else if wanted != Displacement::ZERO {

@@ -1,13 +1,15 @@
 //! Places and the links between them.
 
+use super::PlaceLimits;
 use super::record::{FreeWays, Record, WAYS};
-use super::{AT_PLACE_MM, PlaceLimits};
 use crate::points::PointMemory;
 use crate::units::Displacement;
 use heapless::Vec;
 
 /// The longest link, millimeters.
 pub(super) const LONGEST_LINK_MM: u16 = 1_200;
+/// Free ways are measured where the robot is so near to a place, millimeters.
+const AT_PLACE_MM: u32 = 160;
 /// Links that have proved blocked, at most: the oldest goes.
 const BLOCKED: usize = 32;
 

@@ -101,9 +101,7 @@ impl EpisodeRunner<'_> {
         }
         Ok(())
     }
-}
 
-impl EpisodeRunner<'_> {
     /// Drives around to where it has not been.
     fn tour(
         &mut self,
