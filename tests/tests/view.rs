@@ -207,6 +207,10 @@ fn a_robot_finds_its_sensors_and_the_page_draws_them() {
     page.wait("view.memory.length === 48 && view.now.mode === 'idle'");
     page.click("#learn");
     page.wait("view.maps.learned && view.now.mode === 'idle'");
+    // The maps may come before the state in which the last moves count for the sensors.
+    page.wait(
+        "parseFloat(document.getElementById('body-detail').textContent.split(' ').pop()) < 12",
+    );
     assert_eq!(page.eval("view.now.found.filter((s) => s).length"), 16);
     assert_eq!(page.eval("view.scene.sensors.length"), 16);
     let said = page.eval("document.getElementById('body-detail').textContent");
@@ -219,7 +223,7 @@ fn a_robot_finds_its_sensors_and_the_page_draws_them() {
         .trim_end_matches('°')
         .parse()
         .expect("a number");
-    assert!((0.5..12.0).contains(&worst), "{said}");
+    assert!(worst > 0.5, "{said}");
     page.click("#seek");
     page.wait("view.now.counts.steps > 20");
     assert_eq!(page.eval("view.now.counts.contacts"), 0);
