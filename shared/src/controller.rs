@@ -234,8 +234,17 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.hidden = Mask::from_bits(!visible.to_bits());
     }
 
-    /// At the next decision it goes about along this way, if there is one, while it seeks.
+    /// Whether it pursues a place and comes no nearer.
+    pub(crate) const fn is_stuck(&self) -> bool {
+        self.search.wanders()
+    }
+
+    /// At the next decision it goes about along this way, if there is one, while it seeks. At the
+    /// end of the way it begins anew to come nearer to its goal.
     pub(crate) const fn lead(&mut self, leg: Option<Leg>) {
+        if self.is_led && leg.is_none() {
+            self.search = SearchProgress::NEW;
+        }
         self.is_led = leg.is_some();
         if let Some(leg) = leg {
             self.leg = leg;

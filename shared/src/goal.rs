@@ -208,6 +208,11 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         Self::place(situation.map(Component::equal))
     }
 
+    /// Whether it is a place to be, not a way to go.
+    pub(crate) fn is_place(&self) -> bool {
+        self.progress_q16 == 0 && self.frame == GoalFrame::Ring
+    }
+
     /// The same goal for these transducers only: of the others nothing was known.
     #[must_use]
     pub fn for_known(mut self, known: Mask) -> Self {

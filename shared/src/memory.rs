@@ -16,7 +16,7 @@ const NEAR: u32 = 254;
 /// 1.0 as bits of a weight.
 const ONE: u32 = ONE_BITS.unsigned_abs() as u32;
 /// The byte of a disabled transducer.
-const UNKNOWN: u8 = 255;
+pub(crate) const UNKNOWN: u8 = 255;
 
 /// The value of each byte, the nearest to its share; the last one's is 0. A table, because learning
 /// reads a million of them.

@@ -11,7 +11,7 @@
 
 use crate::actuation::{Actuation, Odometer};
 use crate::config::Config;
-use crate::controller::{Command, Event, Motion, Outputs, Progress, stale};
+use crate::controller::{Event, Motion, Outputs, Progress, stale};
 use crate::fixed::Mask;
 use crate::places::{Aim, Places};
 use crate::points::{Beam, PointLimits, PointMemory};
@@ -39,7 +39,7 @@ const FORGET_MS: u32 = 600_000;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VirtualTurret<const SECTORS: usize, const POINTS: usize, const RECORDS: usize> {
     memory: PointMemory<POINTS>,
-    places: Places<RECORDS>,
+    places: Places<SECTORS, RECORDS>,
     /// Where it is to be led while it pursues a goal, if it is; zeros at first.
     aim: Aim,
     is_led: bool,
@@ -211,14 +211,8 @@ pub fn handle<
                 progress,
             })
         }
-        Event::Command(Command::Explore { .. }) => {
-            let outputs = robot.control(event);
-            if outputs.refusal.is_none() {
-                robot.turret.places.forget();
-            }
-            outputs
-        }
-        Event::Command(_) | Event::Tick | Event::Alarm(_) | Event::Touched => robot.control(event),
+        Event::Command(command) => robot.command(command),
+        Event::Tick | Event::Alarm(_) | Event::Touched => robot.control(event),
     };
     if was_moving && !robot.controller.is_moving() {
         robot.turret.motion = None;
@@ -283,6 +277,7 @@ where
     fn remember(&mut self, mount: Mount, range: Option<Range>) {
         if self.at.after(self.turret.heard_at) >= FORGET_MS {
             self.turret.memory.forget();
+            self.turret.places.forget();
             (self.turret.first_looks, self.turret.knows_place) = (0, false);
         }
         self.turret.heard_at = self.at;
@@ -350,7 +345,7 @@ where
         self.turret.last_ring = ring;
         self.turret.fresh = Mask::NONE;
         self.controller.set_visible(known);
-        let leg = self.next_leg();
+        let leg = self.next_leg(&ring, known);
         self.controller.lead(leg);
         let mut outputs = Outputs::NONE;
         for (sector, range) in ring.into_iter().enumerate() {

@@ -77,7 +77,8 @@ const TABLES: &[(&str, &[u8])] = &[
 ];
 
 const CASES: &[Case] = &[
-    ("run --behavior home", &["memory of places", "--robot"]),
+    ("run --behavior home --log a.mcap", &["--log", "home"]),
+    ("run --behavior home --mind qemu", &["--mind", "home"]),
     ("run --robot p3dx --tour 5", &["--tour", "home"]),
     ("view --robot p3dx --behavior home", &["home", "run --out"]),
     ("run --robot gone", &["gone", "p3dx"]),

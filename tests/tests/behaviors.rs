@@ -99,6 +99,21 @@ fn a_body_finds_the_place_that_it_was_shown() {
 }
 
 #[test]
+fn home_is_as_far_as_the_shortest_way_and_not_much_farther() {
+    let program = host_sim!();
+    let home = line(
+        &program,
+        "--world office --behavior home --tour 150 --shield off",
+    );
+    assert_eq!(figure(&home, "success"), 1.0, "{home}");
+    let (way_m, shortest_m) = (figure(&home, "distance_m"), figure(&home, "shortest_m"));
+    assert!(shortest_m > 2.0, "{home}");
+    assert!((0.95..1.5).contains(&(way_m / shortest_m)), "{home}");
+    let avoid = line(&program, "--world office --behavior avoid --steps 5");
+    assert!(avoid["shortest_m"].is_null(), "{avoid}");
+}
+
+#[test]
 fn the_list_names_every_behavior() {
     let program = host_sim!();
     let list = program.ok("behaviors --only wall --out pictures");

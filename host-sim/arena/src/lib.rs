@@ -14,6 +14,7 @@ mod nomad;
 mod reference;
 pub mod robot;
 pub mod robot_model;
+pub mod route;
 mod shapes;
 pub mod sonar;
 mod surfaces;

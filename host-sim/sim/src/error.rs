@@ -30,7 +30,7 @@ impl std::fmt::Display for EpisodeError {
             Self::Stopped(reason) => write!(f, "the robot stopped: {}", stop_reason(*reason)),
             Self::Link(why) | Self::Log(why) => f.write_str(why),
             Self::NoPlaces => f.write_str(
-                "the robot has no memory of places: home needs --robot with sensors on its body, and no --mind",
+                "the controller has no memory of places",
             ),
         }
     }

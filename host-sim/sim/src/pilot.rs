@@ -76,6 +76,18 @@ pub trait Pilot {
         aim.map_or(Ok(()), |_| Err(EpisodeError::NoPlaces))
     }
 
+    /// As [`lead_to`](Self::lead_to); without a memory of places it finds its way by the goal
+    /// alone.
+    ///
+    /// # Errors
+    /// When it cannot be reached.
+    fn lead_if_it_can(&mut self, aim: Option<Aim>) -> Result<(), EpisodeError> {
+        match self.lead_to(aim) {
+            Err(EpisodeError::NoPlaces) => Ok(()),
+            answer => answer,
+        }
+    }
+
     /// Why it cannot continue; `None` while it can.
     fn failure(&self) -> Option<EpisodeError> {
         None

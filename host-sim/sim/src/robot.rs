@@ -34,6 +34,8 @@ pub struct AnyRobot {
     actuators: Origin,
     /// Share of its radius that the controller is told.
     told_radius: f64,
+    /// Its memory of places leads it to goals.
+    is_led: bool,
 }
 
 /// Distance that the guard keeps, as a share of the body's radius: 90 mm for the Nomad.
@@ -77,6 +79,7 @@ impl AnyRobot {
             geometry: Origin::Known,
             actuators: Origin::Known,
             told_radius: 1.0,
+            is_led: true,
         };
         Ok(robot.with_guard(has_guard))
     }
@@ -93,6 +96,20 @@ impl AnyRobot {
     pub fn with_told_radius(mut self, share: f64) -> Self {
         self.told_radius = share;
         self
+    }
+
+    /// The same robot, led to its goals by its memory of places or finding its way by the goal
+    /// alone.
+    #[must_use]
+    pub fn led(mut self, is_led: bool) -> Self {
+        self.is_led = is_led;
+        self
+    }
+
+    /// Whether its memory of places leads it to goals.
+    #[must_use]
+    pub fn is_led(&self) -> bool {
+        self.is_led
     }
 
     /// The same robot with the wires of its sensors permuted; the controller is not told.

@@ -27,6 +27,8 @@ pub struct TurretController {
     config: Config<16>,
     body: Box<SimBody>,
     state: Box<SimState>,
+    /// Its places lead it to goals.
+    is_led: bool,
 }
 
 impl TurretController {
@@ -42,6 +44,7 @@ impl TurretController {
             config,
             body,
             state: Box::new(state),
+            is_led: robot.is_led(),
         }
     }
 
@@ -182,6 +185,7 @@ impl Pilot for TurretController {
     }
 
     fn lead_to(&mut self, aim: Option<Aim>) -> Result<(), EpisodeError> {
+        let aim = aim.filter(|aim| self.is_led || *aim == Aim::Frontier);
         self.body.lead_to(aim);
         Ok(())
     }
@@ -331,6 +335,42 @@ mod tests {
             assert_eq!((report.success, report.contacts), (1.0, 0), "{seed}");
             // It stops there.
             assert!(report.steps < 200 && report.goal_steps == 1, "{report:?}");
+        }
+    }
+
+    /// Its places are as far from everything as its guard wants it to be.
+    #[test]
+    fn a_robot_with_a_guard_is_led_where_the_guard_lets_it_go() {
+        let steps = [227, 229].map(|seed| {
+            let model = RobotModel::builtin("p3dx").expect("built in");
+            let robot = AnyRobot::new(model, Ranges::Nomad, true).expect("it fits");
+            let setup = Setup {
+                behavior: Behavior::Home { tour: 500 },
+                seed: 1,
+                ..setup(robot, SonarModel::Ideal, 1_000, seed)
+            };
+            let episode = run(&World::random(seed), &setup, |_, _, _| {}).expect("it drives");
+            assert_eq!(episode.report.success, 1.0, "{seed}");
+            episode.report.steps
+        });
+        assert!(steps.iter().sum::<u32>() < 100, "{steps:?}");
+    }
+
+    /// By the goal alone it finds none of these four.
+    #[test]
+    fn a_robot_with_noisy_sonars_finds_its_nest_and_stays_there() {
+        for seed in 303..307 {
+            let model = RobotModel::builtin("p3dx").expect("built in");
+            let robot = AnyRobot::new(model, Ranges::Nomad, true).expect("it fits");
+            let setup = Setup {
+                behavior: Behavior::Nest,
+                seed: 1,
+                ..setup(robot, SonarModel::Nomad, 1_000, seed)
+            };
+            let episode = run(&World::random(seed), &setup, |_, _, _| {}).expect("it drives");
+            let report = episode.report;
+            assert_eq!((report.success, report.contacts), (1.0, 0), "{seed}");
+            assert!(report.goal_steps > 100, "{seed}: {}", report.goal_steps);
         }
     }
 

@@ -83,6 +83,16 @@ impl RobotArgs {
     }
 }
 
+impl RobotArgs {
+    /// The robot behind points, the Nomad as well.
+    ///
+    /// # Errors
+    /// An unknown robot or a bad file.
+    pub(super) fn behind_points(&self, has_guard: bool) -> Result<AnyRobot, BadInput> {
+        AnyRobot::new(RobotModel::find(self.name())?, Ranges::Own, has_guard)
+    }
+}
+
 impl NamedRobotArgs {
     /// Its name or file.
     pub(super) fn name(&self) -> &str {

@@ -211,19 +211,25 @@ fn check_outputs(args: &RunArgs, worlds: usize) -> Result<(), BadInput> {
     Ok(())
 }
 
-/// Refuses what only the Nomad's controller can do yet.
+/// Refuses what only the controller of the Nomad's own ring can do yet.
 fn check_robot(args: &RunArgs, setup: &Setup) -> Result<(), BadInput> {
     let Some(robot) = &setup.robot else {
         return Ok(());
     };
+    let needs_places = setup.behavior.needs_places();
     let flags = [
         ("--save", args.save.is_some()),
         ("--log", args.log.is_some()),
+        (
+            "--mind",
+            needs_places && args.mind.choice != MindChoice::Host,
+        ),
     ];
     match flags.iter().find(|(_, is_used)| *is_used) {
         None => Ok(()),
         Some((flag, _)) => Err(BadInput::new(format!(
-            "{flag}: only with the robot nomad200, not \"{}\"",
+            "{flag}: only with the Nomad's own ring, not with the robot \"{}\" behind points \
+             (--robot, --places, --behavior home)",
             robot.model().name
         ))),
     }

@@ -61,6 +61,11 @@ pub struct SetupArgs {
     /// Steps of driving around before the behavior home [default: 500]
     #[arg(long, value_name = "STEPS")]
     tour: Option<u32>,
+    /// Whether a memory of places leads the robot where it comes no nearer to a place by the goal
+    /// alone [default: on, for nomad200 off]; on reads the ring of nomad200 through points, as the
+    /// sensors of other robots
+    #[arg(long, value_name = "on|off", value_enum)]
+    places: Option<Switch>,
     #[command(flatten)]
     robot: RobotArgs,
     /// Whether the ring keeps its bearing in the world or turns with the heading
@@ -133,7 +138,12 @@ impl SetupArgs {
     /// An unknown robot or a bad file; a turret for a robot that has none.
     fn robot(&self) -> Result<Option<AnyRobot>, BadInput> {
         let has_guard = self.task.shield == Switch::On;
-        let robot = self.robot.find(has_guard, self.task.explore)?;
+        let mut robot = self.robot.find(has_guard, self.task.explore)?;
+        let needs_points = self.places == Some(Switch::On) || self.task.behavior.needs_places();
+        if robot.is_none() && needs_points {
+            robot = Some(self.robot.behind_points(has_guard)?);
+        }
+        let robot = robot.map(|robot| robot.led(self.places != Some(Switch::Off)));
         if let (Some(_), Some(_)) = (&robot, self.turret) {
             return Err(BadInput::new(format!(
                 "--turret: the robot \"{}\" has no turret",

@@ -3,7 +3,7 @@
 use super::tracked::Tracked;
 use crate::config::{Config, Wander};
 use crate::fixed::Mask;
-use crate::goal::{Goal, GoalFrame};
+use crate::goal::Goal;
 use crate::planner::NEXT_COURSE;
 use crate::scan::Situation;
 
@@ -71,7 +71,7 @@ pub(super) fn wandering_goal<const SENSORS: usize>(
     course: &mut Tracked,
 ) -> Option<Goal<SENSORS>> {
     let wander = config.planning.wander?;
-    if goal.progress_q16 > 0 || goal.frame != GoalFrame::Ring {
+    if !goal.is_place() {
         return None;
     }
     let deviation = goal.cost(0, enabled, situation, i64::MAX);

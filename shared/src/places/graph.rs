@@ -1,7 +1,8 @@
 //! Places and the links between them.
 
 use super::PlaceLimits;
-use super::record::{FreeWays, Record, WAYS};
+use super::record::{FreeWays, LINKS, Record, WAYS};
+use crate::memory::SituationBytes;
 use crate::points::PointMemory;
 use crate::units::Displacement;
 use heapless::Vec;
@@ -10,41 +11,130 @@ use heapless::Vec;
 pub(super) const LONGEST_LINK_MM: u16 = 1_200;
 /// Free ways are measured where the robot is so near to a place, millimeters.
 const AT_PLACE_MM: u32 = 160;
+/// Places that are looked at while they are thinned out, at a time.
+const THINNED: usize = 8;
 /// Links that have proved blocked, at most: the oldest goes.
 const BLOCKED: usize = 32;
 
 /// Places and links; a place is told by its number.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Graph<const RECORDS: usize> {
-    records: Vec<Record, RECORDS>,
+pub(super) struct Graph<const SECTORS: usize, const RECORDS: usize> {
+    records: Vec<Record<SECTORS>, RECORDS>,
     blocked: Vec<(u16, u16), BLOCKED>,
+    /// How often the places have been thinned out.
+    thinned: u8,
+    /// Places before this one are as far apart as they should be.
+    apart: u16,
 }
 
-impl<const RECORDS: usize> Graph<RECORDS> {
+/// A place is gone: another stands for it, and the last one has its number now.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Merged {
+    gone: u16,
+    into: u16,
+    last: u16,
+}
+
+impl Merged {
+    /// The number of a place now.
+    pub(super) fn renumbered(self, index: u16) -> u16 {
+        match index {
+            index if index == self.gone => self.into,
+            index if index == self.last => self.gone,
+            index => index,
+        }
+    }
+}
+
+impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
     pub(super) const NEW: Self = Self {
         records: Vec::new(),
         blocked: Vec::new(),
+        thinned: 0,
+        apart: 0,
     };
 
     pub(super) fn forget(&mut self) {
         self.records.clear();
         self.blocked.clear();
+        (self.thinned, self.apart) = (0, 0);
     }
 
-    pub(super) fn records(&self) -> &[Record] {
+    /// A place is new where no other is nearer, millimeters. Two places of a body have no wall
+    /// between them if they are nearer than its diameter.
+    pub(super) fn spacing_mm(&self, limits: &PlaceLimits) -> u16 {
+        let wider_mm = u16::from(self.thinned) * (limits.spacing_mm / 4);
+        let most_mm = (2 * limits.radius_mm).saturating_sub(limits.spacing_mm / 8);
+        (limits.spacing_mm + wider_mm).min(most_mm.max(limits.spacing_mm))
+    }
+
+    /// Without room for another place, places are to stand farther apart from now on.
+    fn make_room(&mut self, limits: &PlaceLimits) {
+        if usize::from(self.apart) < self.records.len() {
+            return;
+        }
+        let before_mm = self.spacing_mm(limits);
+        self.thinned = self.thinned.saturating_add(1);
+        if self.spacing_mm(limits) > before_mm {
+            self.apart = 0;
+        } else {
+            self.thinned -= 1;
+        }
+    }
+
+    /// Merges one place with another that is too near, if there is one among the next few.
+    pub(super) fn thin_out(&mut self, limits: &PlaceLimits) -> Option<Merged> {
+        let spacing_mm = self.spacing_mm(limits);
+        for _ in 0..THINNED {
+            let record = *self.get(self.apart)?;
+            let earlier = self.numbered().take(self.apart.into());
+            let near = earlier.map(|(index, other)| (index, other.distance_mm(record.at)));
+            let near = near.filter(|(_, distance_mm)| *distance_mm < spacing_mm);
+            let nearest = near.min_by_key(|(_, distance_mm)| *distance_mm);
+            match nearest {
+                Some((into, _)) => return Some(self.merge(self.apart, into)),
+                None => self.apart += 1,
+            }
+        }
+        None
+    }
+
+    /// One place stands for another as well.
+    fn merge(&mut self, gone: u16, into: u16) -> Merged {
+        let merged = Merged {
+            gone,
+            into,
+            last: self.records.len() as u16 - 1,
+        };
+        let links = self.get(gone).into_iter().flat_map(Record::links);
+        for other in Vec::<u16, LINKS>::from_iter(links.filter(|link| *link != into)) {
+            self.went(other, into);
+        }
+        self.records.swap_remove(gone.into());
+        for record in &mut self.records {
+            record.renumber(merged);
+        }
+        for (one, other) in &mut self.blocked {
+            (*one, *other) = (merged.renumbered(*one), merged.renumbered(*other));
+        }
+        self.blocked.retain(|(one, other)| one != other);
+        merged
+    }
+
+    pub(super) fn records(&self) -> &[Record<SECTORS>] {
         &self.records
     }
 
     /// All places with their numbers.
-    pub(super) fn numbered(&self) -> impl Iterator<Item = (u16, &Record)> {
+    pub(super) fn numbered(&self) -> impl Iterator<Item = (u16, &Record<SECTORS>)> {
         (0_u16..).zip(&self.records)
     }
 
-    pub(super) fn get(&self, index: u16) -> Option<&Record> {
+    pub(super) fn get(&self, index: u16) -> Option<&Record<SECTORS>> {
         self.records.get(usize::from(index))
     }
 
-    fn get_mut(&mut self, index: u16) -> Option<&mut Record> {
+    fn get_mut(&mut self, index: u16) -> Option<&mut Record<SECTORS>> {
         self.records.get_mut(usize::from(index))
     }
 
@@ -59,29 +149,50 @@ impl<const RECORDS: usize> Graph<RECORDS> {
     /// The place at a position: a new one where no other is near and there is room.
     pub(super) fn place_at(&mut self, limits: &PlaceLimits, position: Displacement) -> Option<u16> {
         let nearest = self.nearest(position);
-        let is_known = nearest.is_some_and(|(_, distance_mm)| distance_mm < limits.spacing_mm);
-        if is_known || self.records.push(Record::at(position)).is_err() {
+        let spacing_mm = self.spacing_mm(limits);
+        let is_known = nearest.is_some_and(|(_, distance_mm)| distance_mm < spacing_mm);
+        if is_known {
+            return nearest.map(|(index, _)| index);
+        }
+        if self.records.push(Record::at(position)).is_err() {
+            self.make_room(limits);
             return nearest.map(|(index, _)| index);
         }
         for record in &mut self.records {
-            record.close_frontiers(position, limits.spacing_mm);
+            record.close_frontiers(position, spacing_mm);
         }
         Some(self.records.len() as u16 - 1)
     }
 
-    /// Measures the free ways around a place, if the robot is there.
+    /// What is sought was found at this place, or not.
+    pub(super) fn check(&mut self, index: u16, is_here: bool) {
+        if let Some(record) = self.get_mut(index) {
+            record.is_checked = !is_here;
+        }
+    }
+
+    /// What is sought may be anywhere.
+    pub(super) fn uncheck(&mut self) {
+        for record in &mut self.records {
+            record.is_checked = false;
+        }
+    }
+
+    /// Measures the free ways around a place and what is perceived there, if the robot is there.
     pub(super) fn look_around<const POINTS: usize>(
         &mut self,
         limits: &PlaceLimits,
         points: &PointMemory<POINTS>,
         index: u16,
         here: Displacement,
+        view: &SituationBytes<SECTORS>,
     ) {
         let Some(record) = self.get_mut(index) else {
             return;
         };
         let offset = record.at.minus(here);
         if offset.is_shorter_than(AT_PLACE_MM) {
+            record.view = *view;
             record.free = FreeWays::around(points, offset, limits.radius_mm);
             self.find_frontiers(limits, index);
         }
@@ -93,9 +204,10 @@ impl<const RECORDS: usize> Graph<RECORDS> {
             return;
         };
         let mut open = 0_u32;
-        for way in (0..WAYS).filter(|way| record.may_open(*way, limits.spacing_mm)) {
+        let spacing_mm = self.spacing_mm(limits);
+        for way in (0..WAYS).filter(|way| record.may_open(*way, spacing_mm)) {
             let end = record.end_of(way);
-            let covers = |other: &Record| other.distance_mm(end) < limits.spacing_mm;
+            let covers = |other: &Record<SECTORS>| other.distance_mm(end) < spacing_mm;
             if !self.records.iter().any(covers) {
                 open |= 1 << way;
             }

@@ -1,6 +1,8 @@
 //! A place, and the free ways around it.
 
 use super::NOWHERE;
+use super::graph::Merged;
+use crate::memory::{self, SituationBytes};
 use crate::points::PointMemory;
 use crate::units::{Bearing, Displacement};
 
@@ -13,11 +15,11 @@ const MOST_MM: u16 = 15 * UNIT_MM;
 /// What lies at the end of a free way is looked for at most this far away, millimeters.
 const END_MM: u16 = 600;
 /// Places that the robot went to from here: the oldest goes.
-const LINKS: usize = 6;
+pub(super) const LINKS: usize = 6;
 
 /// A place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Record {
+pub(super) struct Record<const SECTORS: usize> {
     /// From the start.
     pub(super) at: Displacement,
     pub(super) free: FreeWays,
@@ -26,9 +28,13 @@ pub(super) struct Record {
     /// Ways that did not go.
     pub(super) tried: u32,
     links: [u16; LINKS],
+    /// What was perceived here.
+    pub(super) view: SituationBytes<SECTORS>,
+    /// What is sought was not found here.
+    pub(super) is_checked: bool,
 }
 
-impl Record {
+impl<const SECTORS: usize> Record<SECTORS> {
     /// A place of which nothing else is known.
     pub(super) const fn at(at: Displacement) -> Self {
         Self {
@@ -37,6 +43,8 @@ impl Record {
             open: 0,
             tried: 0,
             links: [NOWHERE; LINKS],
+            view: [memory::UNKNOWN; SECTORS],
+            is_checked: false,
         }
     }
 
@@ -58,16 +66,24 @@ impl Record {
         self.tried & (1 << way) == 0 && self.free.length_mm(way) >= spacing_mm + 50
     }
 
-    /// The open ways.
-    pub(super) fn frontiers(&self) -> impl Iterator<Item = u8> + use<> {
+    /// The middle one of each run of open ways.
+    pub(super) fn frontiers(&self) -> impl Iterator<Item = u8> + use<SECTORS> {
         let open = self.open;
-        (0..WAYS as u8).filter(move |way| open & (1 << way) != 0)
+        let begins = open & !open.rotate_left(1);
+        let runs = (0..WAYS as u32).filter(move |way| begins & (1 << way) != 0);
+        let middles = runs.map(move |way| {
+            let length = open.rotate_right(way).trailing_ones();
+            ((way + length / 2) % WAYS as u32) as u8
+        });
+        // Open all around: no run begins.
+        middles.chain((open == u32::MAX).then_some(0))
     }
 
     /// A new place covers the ends of these ways.
     pub(super) fn close_frontiers(&mut self, position: Displacement, spacing_mm: u16) {
-        for way in self.frontiers() {
-            let end = self.end_of(way.into());
+        let open = self.open;
+        for way in (0..WAYS).filter(|way| open & (1 << way) != 0) {
+            let end = self.end_of(way);
             if position.minus(end).length_mm() < spacing_mm {
                 self.open &= !(1 << way);
             }
@@ -81,6 +97,18 @@ impl Record {
             if let Some(newest) = self.links.first_mut() {
                 *newest = to;
             }
+        }
+    }
+
+    /// Places that the robot went to from here.
+    pub(super) fn links(&self) -> impl Iterator<Item = u16> + use<SECTORS> {
+        self.links.into_iter().filter(|link| *link != NOWHERE)
+    }
+
+    /// Two places have become one.
+    pub(super) fn renumber(&mut self, merged: Merged) {
+        for link in self.links.iter_mut().filter(|link| **link != NOWHERE) {
+            *link = merged.renumbered(*link);
         }
     }
 
@@ -135,5 +163,32 @@ impl FreeWays {
         let turns = way.bearing().as_turns();
         let steps = turns.wrapping_add(1 << 10) >> 11;
         self.length_mm(usize::from(steps) % WAYS)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_hundred_fifty_six_places_take_15_kib() {
+        assert!(size_of::<Record<16>>() <= 60);
+    }
+
+    #[test]
+    fn the_middle_of_each_run_of_open_ways_is_a_frontier() {
+        let frontiers = |open: u32| {
+            let record = Record {
+                open,
+                ..Record::<16>::at(Displacement::ZERO)
+            };
+            std::vec::Vec::from_iter(record.frontiers())
+        };
+        assert_eq!(frontiers(0), [0_u8; 0]);
+        assert_eq!(frontiers(0b0111_1100), [4]);
+        assert_eq!(frontiers(0b1_0000_0111), [1, 8]);
+        // A run that goes on past way 31.
+        assert_eq!(frontiers(0xC000_0007), [0]);
+        assert_eq!(frontiers(u32::MAX), [0]);
     }
 }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::memory;
 use crate::points::{Beam, PointLimits};
 use crate::units::{Bearing, Range};
 
@@ -19,21 +20,23 @@ const TWO_ROOMS: [[f64; 4]; 5] = [
 ];
 
 /// A robot that goes where it is led, in a straight line.
-struct Walker<'a> {
+struct Walker<'a, const RECORDS: usize = 256> {
     walls: &'a Walls,
     start: (f64, f64),
     points: PointMemory<256>,
-    places: Places<256>,
+    places: Places<16, RECORDS>,
+    goal: Goal<16>,
     way_mm: f64,
 }
 
-impl<'a> Walker<'a> {
+impl<'a, const RECORDS: usize> Walker<'a, RECORDS> {
     fn new(walls: &'a Walls, start: (f64, f64)) -> Self {
         Self {
             walls,
             start,
             points: PointMemory::new(),
             places: Places::new(),
+            goal: perceived(&[255; 16]),
             way_mm: 0.0,
         }
     }
@@ -85,13 +88,22 @@ impl<'a> Walker<'a> {
             };
             self.points.hear(&PointLimits::NOMAD, &beam);
         }
-        self.places.perceive(&LIMITS, &self.points);
+        let view = self.view();
+        self.places.perceive(&LIMITS, &self.points, view);
+    }
+
+    /// What a ring perceives there: 254 at its face, 0 from 4.5 m on.
+    fn view(&self) -> [u8; 16] {
+        core::array::from_fn(|sensor| {
+            let away_mm = self.ray_mm(sensor as f64 * core::f64::consts::TAU / 16.0) - FACE_MM;
+            (254.0 * (1.0 - away_mm / 4_500.0)).max(0.0) as u8
+        })
     }
 
     /// A decision and its step; the leg, if there is one.
     fn step(&mut self, aim: Aim) -> Option<Leg> {
         self.look();
-        let leg = self.places.lead(&LIMITS, &self.points, aim)?;
+        let leg = self.places.lead(&LIMITS, &self.points, aim, &self.goal)?;
         let step = leg.way.shortened(250);
         self.way_mm += f64::from(step.length_mm());
         self.points.moved(&PointLimits::NOMAD, step, Bearing::ZERO);
@@ -111,13 +123,17 @@ impl<'a> Walker<'a> {
     }
 }
 
+fn perceived(view: &[u8; 16]) -> Goal<16> {
+    Goal::perceived(&memory::from_bytes(view).0)
+}
+
 fn to(dx_mm: i16, dy_mm: i16) -> Displacement {
     Displacement { dx_mm, dy_mm }
 }
 
 #[test]
 fn a_goal_behind_a_wall_is_found_and_the_way_back_is_short() {
-    let mut walker = Walker::new(&TWO_ROOMS, (-1_000.0, -1_400.0));
+    let mut walker = Walker::<256>::new(&TWO_ROOMS, (-1_000.0, -1_400.0));
     walker.go_to(to(2_000, 0));
     walker.way_mm = 0.0;
     walker.go_to(Displacement::ZERO);
@@ -127,7 +143,7 @@ fn a_goal_behind_a_wall_is_found_and_the_way_back_is_short() {
 
 #[test]
 fn it_goes_where_it_has_not_been_until_it_has_been_everywhere() {
-    let mut walker = Walker::new(&TWO_ROOMS, (-1_000.0, -1_400.0));
+    let mut walker = Walker::<256>::new(&TWO_ROOMS, (-1_000.0, -1_400.0));
     let steps = (0..400).find(|_| walker.step(Aim::Frontier).is_none());
     assert!(steps.is_some_and(|steps| steps < 200), "{steps:?}");
     let places: std::vec::Vec<_> = walker.places.positions().collect();
@@ -145,10 +161,30 @@ fn it_goes_where_it_has_not_been_until_it_has_been_everywhere() {
 }
 
 #[test]
+fn without_room_for_all_places_stand_farther_apart() {
+    let mut walker = Walker::<40>::new(&TWO_ROOMS, (-1_000.0, -1_400.0));
+    let steps = (0..400).find(|_| walker.step(Aim::Frontier).is_none());
+    assert!(steps.is_some_and(|steps| steps < 200), "{steps:?}");
+    let places: std::vec::Vec<_> = walker.places.positions().collect();
+    assert!((20..40).contains(&places.len()), "{}", places.len());
+    let pairs = places.iter().enumerate();
+    let pairs =
+        pairs.flat_map(|(number, one)| places.iter().take(number).map(move |two| (one, two)));
+    for (one, two) in pairs {
+        assert!(!one.minus(*two).is_shorter_than(430), "{one:?} {two:?}");
+    }
+    for (x, y) in [(2_600, 3_000), (2_600, -200), (-600, 3_000), (1_000, 2_800)] {
+        let is_near = |place: &Displacement| place.minus(to(x, y)).is_shorter_than(700);
+        assert!(places.iter().any(is_near), "{x} {y}");
+    }
+    walker.go_to(Displacement::ZERO);
+}
+
+#[test]
 fn nothing_leads_through_a_wall() {
     let mut closed = TWO_ROOMS;
     closed[4][3] = 2_000.0;
-    let mut walker = Walker::new(&closed, (-1_000.0, -1_400.0));
+    let mut walker = Walker::<256>::new(&closed, (-1_000.0, -1_400.0));
     for _ in 0..300 {
         walker.step(Aim::Position(to(2_000, 0)));
         assert!(walker.position().0 < -BODY_MM);
@@ -157,15 +193,16 @@ fn nothing_leads_through_a_wall() {
 
 #[test]
 fn a_robot_that_cannot_go_on_is_led_elsewhere() {
-    let mut walker = Walker::new(&TWO_ROOMS, (-1_000.0, -1_400.0));
+    let mut walker = Walker::<256>::new(&TWO_ROOMS, (-1_000.0, -1_400.0));
     walker.go_to(to(2_000, 0));
     // It is sent back and its base does not move.
+    let home = Aim::Position(Displacement::ZERO);
     let mut ways = std::vec::Vec::new();
     for _ in 0..60 {
         walker.look();
         let leg = walker
             .places
-            .lead(&LIMITS, &walker.points, Aim::Position(Displacement::ZERO));
+            .lead(&LIMITS, &walker.points, home, &walker.goal);
         ways.extend(leg.map(|leg| leg.way));
     }
     assert!(ways.iter().any(|way| *way != ways[0]), "{ways:?}");
@@ -173,10 +210,10 @@ fn a_robot_that_cannot_go_on_is_led_elsewhere() {
 
 #[test]
 fn the_leg_tells_how_much_room_it_leaves_and_whether_it_is_the_last() {
-    let mut walker = Walker::new(&TWO_ROOMS, (-1_000.0, -1_200.0));
+    let mut walker = Walker::<256>::new(&TWO_ROOMS, (-1_000.0, -1_200.0));
     let leg = walker.step(Aim::Position(to(0, 600))).expect("a way");
     assert_eq!((leg.way, leg.room_mm, leg.is_last), (to(0, 600), 400, true));
-    let mut walker = Walker::new(&TWO_ROOMS, (-1_500.0, -1_200.0));
+    let mut walker = Walker::<256>::new(&TWO_ROOMS, (-1_500.0, -1_200.0));
     let leg = walker.step(Aim::Position(to(0, 600))).expect("a way");
     // The wall is 0.5 m away.
     assert_eq!((leg.room_mm, leg.is_last), (75, true));
@@ -186,7 +223,7 @@ fn the_leg_tells_how_much_room_it_leaves_and_whether_it_is_the_last() {
 
 #[test]
 fn what_has_been_forgotten_is_unknown() {
-    let mut walker = Walker::new(&TWO_ROOMS, (-1_000.0, -1_400.0));
+    let mut walker = Walker::<256>::new(&TWO_ROOMS, (-1_000.0, -1_400.0));
     walker.go_to(to(0, 1_000));
     walker.places.forget();
     assert_eq!(walker.places.positions().len(), 0);
@@ -196,14 +233,63 @@ fn what_has_been_forgotten_is_unknown() {
 #[test]
 fn a_full_memory_goes_on_with_what_it_has() {
     let mut points = PointMemory::<64>::new();
-    let mut places = Places::<2>::new();
+    let mut places = Places::<16, 2>::new();
     for _ in 0..5 {
-        places.perceive(&LIMITS, &points);
+        places.perceive(&LIMITS, &points, [255; 16]);
         places.moved(to(500, 0));
         points.moved(&PointLimits::NOMAD, to(500, 0), Bearing::ZERO);
     }
     assert_eq!(places.positions().len(), 2);
-    let mut none = Places::<0>::new();
-    none.perceive(&LIMITS, &points);
-    assert_eq!(none.lead(&LIMITS, &points, Aim::Frontier), None);
+    let mut none = Places::<16, 0>::new();
+    none.perceive(&LIMITS, &points, [255; 16]);
+    let goal = perceived(&[255; 16]);
+    assert_eq!(none.lead(&LIMITS, &points, Aim::Frontier, &goal), None);
+}
+
+#[test]
+fn a_situation_recalls_the_place_where_it_was_perceived() {
+    let mut walker = Walker::<256>::new(&TWO_ROOMS, (-1_000.0, -1_400.0));
+    walker.goal = perceived(&walker.view());
+    let ends = (0..400).any(|_| walker.step(Aim::Frontier).is_none());
+    let far = walker.places.here();
+    assert!(ends && !far.is_shorter_than(1_500), "{far:?}");
+    walker.places.seek_anew();
+    walker.way_mm = 0.0;
+    // At each place that recalls it the robot looks for it by itself: here it only looks.
+    let mut looks = std::vec::Vec::new();
+    for _ in 0..100 {
+        let leg = walker.step(Aim::Situation);
+        let (goal, view) = (walker.goal, walker.view());
+        if walker.places.is_found(&goal, &view) {
+            break;
+        }
+        if leg.is_none() {
+            looks.push(walker.places.here());
+        }
+    }
+    let here = walker.places.here();
+    assert!(here.is_shorter_than(200), "{here:?}");
+    assert!(walker.way_mm < 15_000.0, "{}", walker.way_mm);
+    // Where it looked in vain it does not look again.
+    assert!((1..10).contains(&looks.len()), "{looks:?}");
+    for (number, look) in looks.iter().enumerate() {
+        let mut before = looks.iter().take(number);
+        assert!(!before.any(|other| other.minus(*look).is_shorter_than(150)));
+    }
+}
+
+#[test]
+fn where_a_situation_was_found_a_noisy_view_is_that_place() {
+    let mut places = Places::<16, 4>::new();
+    let goal = perceived(&[100; 16]);
+    let noisy = core::array::from_fn(|sensor| if sensor < 8 { 115 } else { 85 });
+    assert!(!places.is_found(&goal, &noisy));
+    assert!(places.is_found(&goal, &[103; 16]));
+    assert!(places.is_found(&goal, &noisy));
+    places.moved(to(70, 0));
+    assert!(!places.is_found(&goal, &noisy));
+    // One sector in which something stands does not count for much, nor one that is not seen.
+    let mut beside = [100; 16];
+    (beside[3], beside[4]) = (250, 255);
+    assert!(places.is_found(&goal, &beside));
 }

@@ -89,6 +89,11 @@ impl<const RECORDS: usize> Wavefront<RECORDS> {
         self.cells.get(usize::from(index))?.way
     }
 
+    /// Whether the way ends at this place, and not with an open way.
+    pub(super) fn is_end(&self, index: u16) -> bool {
+        self.next(index).is_none() && self.way_of(index).is_none()
+    }
+
     /// The last place of the way from here, and the open way that it ends with.
     pub(super) fn end_of_way(&self, index: u16) -> (u16, Option<u8>) {
         let mut last = index;

@@ -71,14 +71,18 @@ impl<C, const SECTORS: usize, const BEAMS: usize, const POINTS: usize, const REC
 where
     C: RingController<SECTORS>,
 {
+    /// Radius of the disc that motions keep free: the body and the guard's margin, millimeters.
+    pub(super) fn kept_free_mm(&self) -> u16 {
+        let body_mm = self.turret.hull.radius_mm(self.config.robot.body_radius_mm);
+        body_mm.saturating_add(self.body.guard_mm.unwrap_or(0))
+    }
+
     /// As much of a way as the guard allows.
     pub(super) fn guarded(&self, way: Displacement) -> Displacement {
-        let Some(margin_mm) = self.body.guard_mm else {
+        if self.body.guard_mm.is_none() {
             return way;
-        };
-        let body_mm = self.turret.hull.radius_mm(self.config.robot.body_radius_mm);
-        let radius_mm = body_mm.saturating_add(margin_mm);
-        let free_mm = self.turret.memory.free_mm(way, radius_mm);
+        }
+        let free_mm = self.turret.memory.free_mm(way, self.kept_free_mm());
         if free_mm < way.length_mm() {
             way.with_length(free_mm)
         } else {

@@ -3,6 +3,7 @@
 use crate::config::Config;
 use crate::controller::{self, Event, Mode, Outputs, State};
 use crate::fixed::Mask;
+use crate::goal::Goal;
 use crate::places::Leg;
 use crate::units::Millis;
 
@@ -22,6 +23,16 @@ pub trait RingController<const SECTORS: usize> {
 
     /// Whether it pursues a goal, so that a decision may be taken anew.
     fn pursues_goal(&self) -> bool;
+
+    /// The goal that it pursues; `None` for a rule of its own.
+    fn goal(&self) -> Option<&Goal<SECTORS>> {
+        None
+    }
+
+    /// Whether it pursues a place and comes no nearer.
+    fn is_stuck(&self) -> bool {
+        false
+    }
 
     /// The age of an echo heard at `at` that is not to be used, milliseconds; `None` = use it.
     fn stale_ms(&self, _config: &Config<SECTORS>, _at: Millis) -> Option<u32> {
@@ -66,6 +77,17 @@ impl<const SECTORS: usize, const NEURONS: usize, const SAMPLES: usize> RingContr
 
     fn pursues_goal(&self) -> bool {
         matches!(self.mode(), Mode::Seek { .. })
+    }
+
+    fn goal(&self) -> Option<&Goal<SECTORS>> {
+        match self.mode() {
+            Mode::Seek { goal } => Some(goal),
+            _ => None,
+        }
+    }
+
+    fn is_stuck(&self) -> bool {
+        Self::is_stuck(self)
     }
 
     fn stale_ms(&self, config: &Config<SECTORS>, at: Millis) -> Option<u32> {

@@ -4,11 +4,9 @@
 //! ([`barn`](arena::loaders::barn)). Rules and score: X. Xiao et al., IEEE Robotics & Automation
 //! Magazine 29(4), 2022, 148–156.
 
-mod route;
 mod routes;
 mod seeker;
 
-pub use route::{length, route};
 pub use routes::{RoutePanel, routes};
 pub use seeker::{Seeker, SeekerTuning};
 
@@ -19,6 +17,7 @@ use amp::controller::{Event, Outputs};
 use amp::shield::ShieldConfig;
 use amp::units::Millis;
 use arena::robot::{COLLISION_RADIUS_M, TurretMode};
+use arena::route::route;
 use arena::sonar::SonarModel;
 use arena::world::{Point, World};
 use files::error::BadInput;

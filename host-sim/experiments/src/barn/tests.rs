@@ -1,6 +1,7 @@
 //! The benchmark's rules, and runs in simple fields.
 
 use super::*;
+use arena::route;
 use arena::world::{Pose, Shape};
 use std::f64::consts::FRAC_PI_2;
 
@@ -56,7 +57,7 @@ fn scores_are_those_of_the_challenge() {
 #[test]
 fn an_empty_field_is_crossed_by_all_that_are_told() {
     let world = field(&[]);
-    assert!((length(&shortest(&world, 0.0).unwrap().unwrap()) - 10.0).abs() < 1e-9);
+    assert!((route::length(&shortest(&world, 0.0).unwrap().unwrap()) - 10.0).abs() < 1e-9);
     for method in [
         BarnMethod::Maps,
         BarnMethod::VfhPlus,

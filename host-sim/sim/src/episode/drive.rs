@@ -4,14 +4,14 @@ use super::Seeds;
 use super::body::{Body, Collision, StepResult, milliseconds};
 use super::capture::nest_known;
 use super::measure::Measure;
-use super::metrics::{EpisodeReport, Metrics, StepFlags, rounded};
+use super::metrics::{EpisodeReport, Metrics, StepFlags};
 use super::record::StepRecorder;
 use super::setup::Setup;
 use crate::behavior::Behavior;
 use crate::error::EpisodeError;
 use crate::pilot::{InspectableController, LocalController, Pilot};
 use crate::recording::Recording;
-use crate::robot::{AnyRobot, Origin};
+use crate::robot::Origin;
 use crate::turret_pilot::TurretController;
 use amp::controller::{Command, Decision, Event};
 use amp::fixed::{Mask, Weight};
@@ -96,13 +96,18 @@ pub fn run_observed<'w>(
     let (mut runner, exploration) = explored(world, setup, controller, observer, &mut progress)?;
     runner.nest_known = nest_known(controller.knowledge()?);
     runner.set_scene(setup);
-    let began_s = runner.body.time_s();
     runner.pursue(controller, setup, |done| {
         progress(Phase::Seek, done, setup.steps)
     })?;
-    let time_s = runner.body.time_s() - began_s;
-    let success = runner.measure.success(&setup.behavior, &runner.metrics);
-    let report = report(world, setup, &exploration, &runner.metrics, time_s, success);
+    let time_s = runner.body.time_s() - runner.began_s;
+    let report = EpisodeReport::of(
+        world,
+        setup,
+        &exploration,
+        &runner.metrics,
+        time_s,
+        &runner.measure,
+    );
     let recording = match runner.recorder {
         Some(recorder) => {
             let place = setup.behavior.place(runner.measure.nest);
@@ -200,40 +205,6 @@ pub fn drive_pilot(
     Ok(runner.metrics)
 }
 
-pub(super) fn report(
-    world: &World,
-    setup: &Setup,
-    exploration: &Metrics,
-    seeking: &Metrics,
-    time_s: f64,
-    (success, success_unit): (f64, &'static str),
-) -> EpisodeReport {
-    EpisodeReport {
-        world: world.name().to_owned(),
-        behavior: setup.behavior.name(),
-        robot: setup
-            .robot
-            .as_ref()
-            .map_or_else(|| "nomad200".to_owned(), AnyRobot::label),
-        preset: setup.preset.clone(),
-        sonar: setup.sonar.name().to_owned(),
-        seed: setup.seed,
-        explore_moves: exploration.steps,
-        explore_contacts: exploration.contacts,
-        steps: seeking.steps,
-        contacts: seeking.contacts,
-        touched_by: seeking.touched_by,
-        distance_m: rounded(seeking.distance_m),
-        min_clearance_m: rounded(seeking.min_clearance_m.unwrap_or(0.0)),
-        coverage_m2: rounded(seeking.coverage_m2()),
-        goal_steps: seeking.goal_steps,
-        shield_stops: seeking.shield_stops,
-        time_s: rounded(time_s),
-        success: rounded(success),
-        success_unit,
-    }
-}
-
 pub(super) struct EpisodeRunner<'w> {
     pub(super) world: &'w World,
     pub(super) body: Body<'w>,
@@ -248,6 +219,8 @@ pub(super) struct EpisodeRunner<'w> {
     pub(super) nest: Situation<16>,
     pub(super) nest_known: Mask,
     first: bool,
+    /// When the robot was told its goal.
+    pub(super) began_s: f64,
     /// The current step.
     pub(super) open: Option<StepFlags>,
     recorder: Option<StepRecorder>,
@@ -270,6 +243,7 @@ impl<'w> EpisodeRunner<'w> {
             nest: [Weight::ZERO; 16],
             nest_known: Mask::ALL,
             first: true,
+            began_s: 0.0,
             open: None,
             recorder: record.then(StepRecorder::default),
             observer: None,
@@ -384,6 +358,7 @@ impl<'w> EpisodeRunner<'w> {
 
     /// Restarts the measurement with a nest.
     pub(super) fn measure_from(&mut self, nest: Point) {
+        self.began_s = self.body.time_s();
         self.measure = Measure::new(self.world, nest);
     }
 

@@ -3,6 +3,7 @@
 
 use super::metrics::Metrics;
 use crate::behavior::{Behavior, WALL_RANGE_M};
+use arena::route::{self, route};
 use arena::sonar::FACE_RADIUS_M;
 use arena::world::{ConeShape, Point, Shape, World};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
@@ -35,6 +36,8 @@ pub(super) struct Measure {
     passed: [u32; 2],
     /// Number of goals of a chain that were reached.
     pub reached: u32,
+    /// Shortest way to the nest when the robot was told to go there, m.
+    pub shortest_m: Option<f64>,
 }
 
 impl Measure {
@@ -51,6 +54,7 @@ impl Measure {
             in_the_way: vec![false; world.shapes().len()],
             passed: [0; 2],
             reached: 0,
+            shortest_m: None,
         }
     }
 
@@ -155,6 +159,13 @@ impl Measure {
                 "share of the goals reached",
             ),
         }
+    }
+
+    /// A body of this radius is told to go to the nest from here.
+    pub(super) fn begin_way(&mut self, world: &World, from: Point, radius_m: f64) {
+        // Worlds too large to be searched have no shortest way.
+        let path = route(world, from, self.nest, radius_m).ok().flatten();
+        self.shortest_m = path.map(|path| route::length(&path));
     }
 
     fn is_home(&self) -> f64 {

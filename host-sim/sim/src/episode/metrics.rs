@@ -1,6 +1,9 @@
 //! Metrics of a phase, and the report that is printed of an episode.
 
+use super::measure::Measure;
+use super::setup::Setup;
 use crate::coverage::Coverage;
+use crate::robot::AnyRobot;
 use arena::world::{Point, World};
 use serde::Serialize;
 
@@ -106,6 +109,8 @@ pub struct EpisodeReport {
     pub touched_by: u32,
     /// Path length while seeking, meters.
     pub distance_m: f64,
+    /// Shortest way of the body to the place of the behavior `home`, meters; `None` for others.
+    pub shortest_m: Option<f64>,
     /// Least gap to any surface while seeking, meters.
     pub min_clearance_m: f64,
     /// Area swept while seeking, square meters.
@@ -124,7 +129,7 @@ pub struct EpisodeReport {
 
 impl EpisodeReport {
     /// Names of the fields, in order.
-    pub const FIELDS: [&str; 19] = [
+    pub const FIELDS: [&str; 20] = [
         "world",
         "behavior",
         "robot",
@@ -137,6 +142,7 @@ impl EpisodeReport {
         "contacts",
         "touched_by",
         "distance_m",
+        "shortest_m",
         "min_clearance_m",
         "coverage_m2",
         "goal_steps",
@@ -145,6 +151,43 @@ impl EpisodeReport {
         "success",
         "success_unit",
     ];
+
+    /// The figures of an episode.
+    pub(super) fn of(
+        world: &World,
+        setup: &Setup,
+        exploration: &Metrics,
+        seeking: &Metrics,
+        time_s: f64,
+        measure: &Measure,
+    ) -> Self {
+        let (success, success_unit) = measure.success(&setup.behavior, seeking);
+        Self {
+            world: world.name().to_owned(),
+            behavior: setup.behavior.name(),
+            robot: setup
+                .robot
+                .as_ref()
+                .map_or_else(|| "nomad200".to_owned(), AnyRobot::label),
+            preset: setup.preset.clone(),
+            sonar: setup.sonar.name().to_owned(),
+            seed: setup.seed,
+            explore_moves: exploration.steps,
+            explore_contacts: exploration.contacts,
+            steps: seeking.steps,
+            contacts: seeking.contacts,
+            touched_by: seeking.touched_by,
+            distance_m: rounded(seeking.distance_m),
+            shortest_m: measure.shortest_m.map(rounded),
+            min_clearance_m: rounded(seeking.min_clearance_m.unwrap_or(0.0)),
+            coverage_m2: rounded(seeking.coverage_m2()),
+            goal_steps: seeking.goal_steps,
+            shield_stops: seeking.shield_stops,
+            time_s: rounded(time_s),
+            success: rounded(success),
+            success_unit,
+        }
+    }
 }
 
 /// Rounds a figure to four decimals, as it is printed.

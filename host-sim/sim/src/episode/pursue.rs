@@ -1,6 +1,6 @@
 //! The last phase of an episode: one behavior, or several in a row.
 
-use super::drive::{EpisodeRunner, explored, report};
+use super::drive::{EpisodeRunner, explored};
 use super::metrics::{EpisodeReport, Metrics};
 use super::setup::Setup;
 use crate::behavior::{self, Behavior};
@@ -30,18 +30,17 @@ pub fn repeat(
     let mut reports = Vec::new();
     for _ in 0..times {
         runner.set_scene(setup);
-        let began_s = runner.body.time_s();
         runner.pursue(&mut controller, setup, |_| {})?;
-        let time_s = runner.body.time_s() - began_s;
-        let success = runner.measure.success(&setup.behavior, &runner.metrics);
+        let time_s = runner.body.time_s() - runner.began_s;
         let metrics = runner.next_phase(world);
-        reports.push(report(
+        let measure = &runner.measure;
+        reports.push(EpisodeReport::of(
             world,
             setup,
             &exploration,
             &metrics,
             time_s,
-            success,
+            measure,
         ));
     }
     Ok(reports)
@@ -80,7 +79,16 @@ impl EpisodeRunner<'_> {
         for (number, part) in parts.iter().enumerate() {
             (self.behavior, self.part) = (part.clone(), number);
             let is_home = matches!(part, Behavior::Home { .. });
-            pilot.lead_to(is_home.then_some(Aim::Position(Displacement::ZERO)))?;
+            if is_home && alone {
+                let (from, radius_m) = (self.body.pose().position, self.body.radius_m());
+                self.measure.begin_way(self.world, from, radius_m);
+            }
+            match part {
+                Behavior::Home { .. } => {
+                    pilot.lead_to(Some(Aim::Position(Displacement::ZERO)))?;
+                }
+                _ => pilot.lead_if_it_can(Some(Aim::Situation))?,
+            }
             let mut goal = part.goal(&setup.config, &self.nest);
             if matches!(part, Behavior::Nest | Behavior::Home { .. }) {
                 goal = goal.for_known(self.nest_known);
@@ -114,6 +122,7 @@ impl EpisodeRunner<'_> {
         self.command(pilot, Command::Seek(Goal::avoiding(&setup.config)))?;
         self.drive(pilot, |now| now.steps >= steps, &mut progress)?;
         self.next_phase(self.world);
+        self.measure_from(self.measure.nest);
         Ok(())
     }
 }

@@ -6,9 +6,10 @@ use super::CliError;
 use super::output::{bar, prepare};
 use super::run::{Preset, SonarChoice, Switch};
 use arena::loaders::barn::{range, sources};
+use arena::route;
 use arena::world::{Point, World};
 use clap::Args;
-use experiments::barn::{self, BarnMethod, Run, RunConditions, SeekerTuning, length, shortest};
+use experiments::barn::{self, BarnMethod, Run, RunConditions, SeekerTuning, shortest};
 use files::error::BadInput;
 use files::table::{Records, Table};
 use files::{MAX_INPUT_BYTES, read_text};
@@ -194,7 +195,7 @@ fn drive(
             BadInput::new(format!("--lengths: there is no length for world {number}"))
         })?,
         // In a world without a path every run fails: the length does not matter.
-        None => shortest_path.as_deref().map_or(1.0, length),
+        None => shortest_path.as_deref().map_or(1.0, route::length),
     };
     let run = |method: &BarnMethod| barn::run(&world, *method, rules, u64::from(number));
     Ok(WorldRuns {

@@ -2,9 +2,8 @@
 
 use super::{BarnArgs, WorldRuns};
 use crate::cli::{CliError, table};
-use experiments::barn::{
-    BarnMethod, CHALLENGE_M_S, RoutePanel, Run, RunEnd, length, routes, score,
-};
+use arena::route;
+use experiments::barn::{BarnMethod, CHALLENGE_M_S, RoutePanel, Run, RunEnd, routes, score};
 use serde_json::json;
 use sim::statistics::{bootstrap, mean};
 use std::io::Write;
@@ -60,7 +59,7 @@ fn print_worlds(
     let with_margin = results.iter().filter(|result| result.with_margin).count();
     let path_lengths: Vec<f64> = results
         .iter()
-        .filter_map(|result| Some(length(result.shortest_path.as_deref()?)))
+        .filter_map(|result| Some(route::length(result.shortest_path.as_deref()?)))
         .collect();
     writeln!(out, "worlds                                       {count}")?;
     writeln!(
@@ -140,8 +139,8 @@ pub(super) fn objects(result: &WorldRuns, methods: &[BarnMethod]) -> Vec<serde_j
                 RunEnd::TimedOut => "timed out",
             },
             "time_s": (run.time_s * 1e3 + 0.5).floor() / 1e3,
-            "way_m": (length(&run.places) * 1e3 + 0.5).floor() / 1e3,
-            "shortest_m": result.shortest_path.as_deref().map(|shortest_path| (length(shortest_path) * 1e4 + 0.5).floor() / 1e4),
+            "way_m": (route::length(&run.places) * 1e3 + 0.5).floor() / 1e3,
+            "shortest_m": result.shortest_path.as_deref().map(|shortest_path| (route::length(shortest_path) * 1e4 + 0.5).floor() / 1e4),
             "score_own_speed": score(run.success_s(), result.length_m, nomad_speed_m_s()),
             "score": score(run.success_s(), result.length_m, CHALLENGE_M_S),
         })

@@ -8,6 +8,7 @@ use crate::source::CommandRefused;
 use amp::config::Config;
 use amp::controller::Command;
 use amp::fixed::Weight;
+use amp::places::Aim;
 use amp::scan::Situation;
 use amp::units::Range;
 use arena::loaders::{WorldSource, parse_worlds};
@@ -17,6 +18,7 @@ use files::hex::unhex;
 use remote::link::{AnyController, Knowledge};
 use remote::log::LoggedController;
 use sim::episode::{CARRY_TIME_S, Seeds, nest_known};
+use sim::pilot::Pilot;
 
 impl Simulator {
     pub(super) fn execute_command(
@@ -142,6 +144,8 @@ impl Simulator {
         if self.goal.is_nest() {
             goal = goal.for_known(nest_known(self.controller.pilot().cached_state()?));
         }
+        let led = self.controller.pilot().lead_if_it_can(Some(Aim::Situation));
+        led.map_err(|error| error.to_string())?;
         self.command(Command::Seek(goal))
     }
 

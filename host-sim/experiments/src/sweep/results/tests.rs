@@ -107,6 +107,7 @@ fn a_row_holds_the_reports_fields_as_json_writes_them() {
         contacts: 3,
         touched_by: 0,
         distance_m: 250.0,
+        shortest_m: Some(2.5),
         min_clearance_m: 0.0123,
         coverage_m2: 1e-4,
         goal_steps: 7,

@@ -1,6 +1,6 @@
-//! The shortest path of a disc through a known world: the reference for a run's time.
+//! The shortest path of a disc through a known world: the reference for a drive.
 
-use arena::world::{Point, World};
+use crate::world::{Point, World};
 use files::error::BadInput;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -159,7 +159,7 @@ fn shorten(world: &World, path: &[Point], radius: f64) -> Vec<Point> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use arena::world::{Pose, Shape};
+    use crate::world::{Pose, Shape};
 
     fn world(shapes: Vec<Shape>) -> World {
         World::new("test", Pose::default(), shapes).unwrap()
