@@ -168,7 +168,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
 
     /// From now on something else is sought.
     pub fn seek_anew(&mut self) {
-        self.graph.uncheck();
+        self.graph.search_anew();
         (self.frontier, self.frontier_age) = (None, 0);
         (self.target, self.found) = (None, None);
     }
@@ -214,9 +214,9 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     }
 
     /// The situation that it seeks is found here, or sought here in vain.
-    pub fn check(&mut self, is_here: bool) {
+    pub fn searched(&mut self, is_found: bool) {
         if let Some(current) = self.current {
-            self.graph.check(current, is_here);
+            self.graph.searched(current, is_found);
         }
     }
 

@@ -68,6 +68,15 @@ impl RobotArgs {
         self.named.name()
     }
 
+    /// The robot behind points, the Nomad as well, with a guard or without, for so many random
+    /// moves.
+    ///
+    /// # Errors
+    /// An unknown robot or a bad file; what cannot be learned; too few random moves.
+    pub(super) fn behind_points(&self, has_guard: bool, moves: u16) -> Result<AnyRobot, BadInput> {
+        self.told.apply(self.named.behind_points(has_guard)?, moves)
+    }
+
     /// The robot, with a guard or without, for so many random moves; `None` = the Nomad as it is.
     ///
     /// # Errors
@@ -80,16 +89,6 @@ impl RobotArgs {
                 "--{flag}: only with another robot than {NOMAD}"
             ))),
         }
-    }
-}
-
-impl RobotArgs {
-    /// The robot behind points, the Nomad as well.
-    ///
-    /// # Errors
-    /// An unknown robot or a bad file.
-    pub(super) fn behind_points(&self, has_guard: bool) -> Result<AnyRobot, BadInput> {
-        AnyRobot::new(RobotModel::find(self.name())?, Ranges::Own, has_guard)
     }
 }
 
@@ -117,7 +116,12 @@ impl NamedRobotArgs {
         if self.robot == NOMAD && self.ranges == Ranges::Own {
             return Ok(None);
         }
-        AnyRobot::new(RobotModel::find(&self.robot)?, self.ranges, has_guard).map(Some)
+        self.behind_points(has_guard).map(Some)
+    }
+
+    /// The robot behind points, the Nomad as well.
+    fn behind_points(&self, has_guard: bool) -> Result<AnyRobot, BadInput> {
+        AnyRobot::new(RobotModel::find(&self.robot)?, self.ranges, has_guard)
     }
 
     /// As [`find`](Self::find), for methods whose distances are the Nomad's.

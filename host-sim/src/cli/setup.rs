@@ -138,15 +138,17 @@ impl SetupArgs {
     /// An unknown robot or a bad file; a turret for a robot that has none.
     fn robot(&self) -> Result<Option<AnyRobot>, BadInput> {
         let has_guard = self.task.shield == Switch::On;
-        let mut robot = self.robot.find(has_guard, self.task.explore)?;
         let needs_points = self.places == Some(Switch::On) || self.task.behavior.needs_places();
-        if robot.is_none() && needs_points {
-            robot = Some(self.robot.behind_points(has_guard)?);
-        }
+        let moves = self.task.explore;
+        let robot = if needs_points {
+            Some(self.robot.behind_points(has_guard, moves)?)
+        } else {
+            self.robot.find(has_guard, moves)?
+        };
         let robot = robot.map(|robot| robot.led(self.places != Some(Switch::Off)));
         if let (Some(_), Some(_)) = (&robot, self.turret) {
             return Err(BadInput::new(format!(
-                "--turret: the robot \"{}\" has no turret",
+                "--turret: the robot \"{}\" behind points has no turret",
                 self.robot.name()
             )));
         }

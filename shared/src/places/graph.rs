@@ -1,7 +1,7 @@
 //! Places and the links between them.
 
 use super::PlaceLimits;
-use super::record::{FreeWays, LINKS, Record, WAYS};
+use super::record::{END_MM, FreeWays, LINKS, Record, WAYS};
 use crate::memory::SituationBytes;
 use crate::points::PointMemory;
 use crate::units::Displacement;
@@ -61,11 +61,14 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
     }
 
     /// A place is new where no other is nearer, millimeters. Two places of a body have no wall
-    /// between them if they are nearer than its diameter.
+    /// between them if they are nearer than its diameter, and an open way has to end outside of
+    /// its place.
     pub(super) fn spacing_mm(&self, limits: &PlaceLimits) -> u16 {
-        let wider_mm = u16::from(self.thinned) * (limits.spacing_mm / 4);
-        let most_mm = (2 * limits.radius_mm).saturating_sub(limits.spacing_mm / 8);
-        (limits.spacing_mm + wider_mm).min(most_mm.max(limits.spacing_mm))
+        let apart_mm = limits.spacing_mm;
+        let wider_mm = u16::from(self.thinned).saturating_mul(apart_mm / 4);
+        let diameter_mm = limits.radius_mm.saturating_mul(2);
+        let most_mm = diameter_mm.saturating_sub(apart_mm / 8).min(END_MM - 50);
+        apart_mm.saturating_add(wider_mm).min(most_mm.max(apart_mm))
     }
 
     /// Without room for another place, places are to stand farther apart from now on.
@@ -164,17 +167,17 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
         Some(self.records.len() as u16 - 1)
     }
 
-    /// What is sought was found at this place, or not.
-    pub(super) fn check(&mut self, index: u16, is_here: bool) {
+    /// What is sought was found at this place, or sought there in vain.
+    pub(super) fn searched(&mut self, index: u16, is_found: bool) {
         if let Some(record) = self.get_mut(index) {
-            record.is_checked = !is_here;
+            record.is_searched = !is_found;
         }
     }
 
     /// What is sought may be anywhere.
-    pub(super) fn uncheck(&mut self) {
+    pub(super) fn search_anew(&mut self) {
         for record in &mut self.records {
-            record.is_checked = false;
+            record.is_searched = false;
         }
     }
 

@@ -13,7 +13,7 @@ pub(super) const WAYS: usize = 32;
 const UNIT_MM: u16 = 100;
 const MOST_MM: u16 = 15 * UNIT_MM;
 /// What lies at the end of a free way is looked for at most this far away, millimeters.
-const END_MM: u16 = 600;
+pub(super) const END_MM: u16 = 600;
 /// Places that the robot went to from here: the oldest goes.
 pub(super) const LINKS: usize = 6;
 
@@ -30,8 +30,8 @@ pub(super) struct Record<const SECTORS: usize> {
     links: [u16; LINKS],
     /// What was perceived here.
     pub(super) view: SituationBytes<SECTORS>,
-    /// What is sought was not found here.
-    pub(super) is_checked: bool,
+    /// What is sought was sought here in vain.
+    pub(super) is_searched: bool,
 }
 
 impl<const SECTORS: usize> Record<SECTORS> {
@@ -44,7 +44,7 @@ impl<const SECTORS: usize> Record<SECTORS> {
             tried: 0,
             links: [NOWHERE; LINKS],
             view: [memory::UNKNOWN; SECTORS],
-            is_checked: false,
+            is_searched: false,
         }
     }
 
@@ -63,7 +63,7 @@ impl<const SECTORS: usize> Record<SECTORS> {
 
     /// Whether a way is long enough to end outside of this place, and has not been tried.
     pub(super) fn may_open(&self, way: usize, spacing_mm: u16) -> bool {
-        self.tried & (1 << way) == 0 && self.free.length_mm(way) >= spacing_mm + 50
+        self.tried & (1 << way) == 0 && self.free.length_mm(way) >= spacing_mm.saturating_add(50)
     }
 
     /// The middle one of each run of open ways.

@@ -83,14 +83,14 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         let index = visible.min().map(|(_, index)| index);
         let Some(index) = index.or_else(|| self.nearest_reached()) else {
             // Nothing is left: everything may be tried again.
-            self.graph.uncheck();
+            self.graph.search_anew();
             return None;
         };
         self.follow(limits, index);
         let place = self.graph.get(index)?.at;
         let is_recalled = sought.is_situation() && self.wavefront.is_end(index);
         if is_recalled && place.minus(self.here).is_shorter_than(REACHED_MM) {
-            self.graph.check(index, false);
+            self.graph.searched(index, false);
             return None;
         }
         let next = self.end_of(index, sought.position().unwrap_or(place))?;
@@ -122,6 +122,27 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
 
     /// Spreads the costs of the ways to the goal and to the frontiers over all places.
     fn spread(&mut self, limits: &PlaceLimits, sought: Sought<'_, SECTORS>) {
+        self.begin_wave(limits, sought);
+        let (graph, wavefront) = (&self.graph, &mut self.wavefront);
+        while let Some((from, cost_mm)) = wavefront.nearest() {
+            let Some(origin) = graph.get(from) else {
+                break;
+            };
+            for (index, record) in graph.numbered() {
+                let length_mm = record.distance_mm(origin.at);
+                let through_mm = cost_mm.saturating_add(length_mm).saturating_add(STOP_MM);
+                if length_mm <= LONGEST_LINK_MM
+                    && wavefront.improves(index, through_mm)
+                    && graph.is_linked(limits, index, from)
+                {
+                    wavefront.reach(index, through_mm, from);
+                }
+            }
+        }
+    }
+
+    /// Begins the wave at the goal, or at the places that it recalls, and at the frontiers.
+    fn begin_wave(&mut self, limits: &PlaceLimits, sought: Sought<'_, SECTORS>) {
         let goal = sought.position();
         let (graph, wavefront) = (&self.graph, &mut self.wavefront);
         wavefront.begin();
@@ -135,7 +156,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
                     wavefront.source(index, length_mm, None);
                 }
             }
-            if let Some(cost_mm) = sought.cost_mm(&record.view).filter(|_| !record.is_checked) {
+            if let Some(cost_mm) = sought.cost_mm(&record.view).filter(|_| !record.is_searched) {
                 wavefront.source(index, cost_mm, None);
             }
             for way in record.frontiers() {
@@ -157,21 +178,6 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
                     .saturating_add(more_mm)
                     .saturating_sub(if is_kept { KEPT_MM } else { 0 });
                 wavefront.source(index, cost_mm.max(LEAST_MM), Some(way));
-            }
-        }
-        while let Some((from, cost_mm)) = wavefront.nearest() {
-            let Some(origin) = graph.get(from) else {
-                break;
-            };
-            for (index, record) in graph.numbered() {
-                let length_mm = record.distance_mm(origin.at);
-                let through_mm = cost_mm.saturating_add(length_mm).saturating_add(STOP_MM);
-                if length_mm <= LONGEST_LINK_MM
-                    && wavefront.improves(index, through_mm)
-                    && graph.is_linked(limits, index, from)
-                {
-                    wavefront.reach(index, through_mm, from);
-                }
             }
         }
     }

@@ -141,43 +141,56 @@ fn a_goal_behind_a_wall_is_found_and_the_way_back_is_short() {
     assert!(walker.way_mm < 6_500.0, "{}", walker.way_mm);
 }
 
+/// It goes to all corners of the two rooms, and its places stand so far apart.
+fn explores_both_rooms<const RECORDS: usize>(
+    walker: &mut Walker<'_, RECORDS>,
+    apart_mm: u32,
+    near_mm: u32,
+) {
+    let steps = (0..400).find(|_| walker.step(Aim::Frontier).is_none());
+    assert!(steps.is_some_and(|steps| steps < 200), "{steps:?}");
+    let places = || walker.places.positions();
+    let within = |position: Displacement, mm: u32| {
+        places().filter(move |place| place.minus(position).is_shorter_than(mm))
+    };
+    for (x, y) in [(2_600, 3_000), (2_600, -200), (-600, 3_000), (1_000, 2_800)] {
+        assert!(within(to(x, y), near_mm).count() > 0, "{x} {y}");
+    }
+    for place in places() {
+        assert_eq!(within(place, apart_mm).count(), 1, "{place:?}");
+    }
+}
+
 #[test]
 fn it_goes_where_it_has_not_been_until_it_has_been_everywhere() {
     let mut walker = Walker::<256>::new(&TWO_ROOMS, (-1_000.0, -1_400.0));
-    let steps = (0..400).find(|_| walker.step(Aim::Frontier).is_none());
-    assert!(steps.is_some_and(|steps| steps < 200), "{steps:?}");
-    let places: std::vec::Vec<_> = walker.places.positions().collect();
-    assert!((30..120).contains(&places.len()), "{}", places.len());
-    for (x, y) in [(2_600, 3_000), (2_600, -200), (-600, 3_000), (1_000, 2_800)] {
-        let is_near = |place: &Displacement| place.minus(to(x, y)).is_shorter_than(600);
-        assert!(places.iter().any(is_near), "{x} {y}");
-    }
-    for (number, place) in places.iter().enumerate() {
-        let near = places
-            .iter()
-            .filter(|other| other.minus(*place).is_shorter_than(350));
-        assert_eq!(near.count(), 1, "place {number} stands alone");
-    }
+    explores_both_rooms(&mut walker, 350, 600);
+    let count = walker.places.positions().len();
+    assert!((30..120).contains(&count), "{count}");
 }
 
 #[test]
 fn without_room_for_all_places_stand_farther_apart() {
     let mut walker = Walker::<40>::new(&TWO_ROOMS, (-1_000.0, -1_400.0));
-    let steps = (0..400).find(|_| walker.step(Aim::Frontier).is_none());
-    assert!(steps.is_some_and(|steps| steps < 200), "{steps:?}");
-    let places: std::vec::Vec<_> = walker.places.positions().collect();
-    assert!((20..40).contains(&places.len()), "{}", places.len());
-    let pairs = places.iter().enumerate();
-    let pairs =
-        pairs.flat_map(|(number, one)| places.iter().take(number).map(move |two| (one, two)));
-    for (one, two) in pairs {
-        assert!(!one.minus(*two).is_shorter_than(430), "{one:?} {two:?}");
-    }
-    for (x, y) in [(2_600, 3_000), (2_600, -200), (-600, 3_000), (1_000, 2_800)] {
-        let is_near = |place: &Displacement| place.minus(to(x, y)).is_shorter_than(700);
-        assert!(places.iter().any(is_near), "{x} {y}");
-    }
+    explores_both_rooms(&mut walker, 430, 700);
+    let count = walker.places.positions().len();
+    assert!((20..40).contains(&count), "{count}");
     walker.go_to(Displacement::ZERO);
+}
+
+/// A guard of a large margin, and room for few places: it goes on to look for ways.
+#[test]
+fn a_wide_spacing_leaves_open_ways() {
+    let limits = PlaceLimits {
+        radius_mm: u16::MAX,
+        ..LIMITS
+    };
+    let mut graph = Graph::<16, 2>::NEW;
+    for x_mm in [0, 600, 1_200, 1_800, 2_400, 3_000] {
+        graph.place_at(&limits, to(x_mm, 0));
+        while graph.thin_out(&limits).is_some() {}
+    }
+    assert_eq!(graph.spacing_mm(&limits), 550);
 }
 
 #[test]

@@ -63,7 +63,7 @@ where
             // It is led where it comes no nearer by itself.
             let is_here = turret.places.is_found(goal, &view);
             if is_here || !self.controller.is_stuck() {
-                turret.places.check(is_here);
+                turret.places.searched(is_here);
                 return is_here.then_some(Leg::HERE);
             }
         }
