@@ -26,7 +26,7 @@ mod solver;
 
 pub use babble::{Babble, BabbleLimits};
 use fit::Fits;
-pub use fit::KnownBearings;
+pub use fit::{Geometry, KnownBearings};
 use full_turn::FullTurn;
 use slopes::Slopes;
 pub use solver::{LearnedBody, Solver};
@@ -57,6 +57,12 @@ struct Reading {
     /// Turn since the place began, 1/1 024 turn.
     turned: i16,
     value: i16,
+}
+
+impl Reading {
+    fn is_silence(&self) -> bool {
+        self.value >= logarithm(None)
+    }
 }
 
 /// The latest range of one sensor.
@@ -188,14 +194,8 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
         Displacement::saturating(x >> shift, y >> shift).bearing()
     }
 
-    /// A sensor was heard, less than `BEAMS`; `None` = no echo. Of sensors of which it is `known`
-    /// where they look, it is noted whether they do.
-    pub fn hear(
-        &mut self,
-        sensor: usize,
-        range: Option<Range>,
-        known: Option<&KnownBearings<BEAMS>>,
-    ) {
+    /// A sensor was heard, less than `BEAMS`; `None` = no echo.
+    pub fn hear(&mut self, sensor: usize, range: Option<Range>, geometry: Geometry<'_, BEAMS>) {
         if sensor >= BEAMS {
             return;
         }
@@ -204,10 +204,10 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
             turned: (self.turned >> 6) as i16,
             value: logarithm(range),
         };
-        if known.is_some() || !self.is_silent_again(sensor, range) {
+        if matches!(geometry, Geometry::Known(_)) || !self.is_silent_again(sensor, range) {
             self.note_spread(sensor, seen.value.into());
         }
-        self.compare(seen, known);
+        self.compare(seen, geometry);
         self.note_slope(sensor, range);
     }
 
@@ -263,22 +263,21 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
     }
 
     /// Compares a reading with those of other sensors at this place, and keeps it.
-    fn compare(&mut self, seen: Reading, known: Option<&KnownBearings<BEAMS>>) {
-        let view = known.map(|known| known.same_view(&seen));
-        let silence = logarithm(None);
+    fn compare(&mut self, seen: Reading, geometry: Geometry<'_, BEAMS>) {
+        let is_known = matches!(geometry, Geometry::Known(_));
+        let view = geometry.bearings().map(|known| known.same_view(&seen));
         for before in &self.readings {
-            if let Some(is_same) = view.as_ref().and_then(|view| view.has(before)) {
-                if is_same {
-                    self.fits.compare(before, &seen);
-                }
-                continue;
+            let is_same = view.as_ref().and_then(|view| view.has(before));
+            if is_same == Some(true) {
+                self.fits.compare(before, &seen, is_known);
             }
             // Two sensors that hear nothing need not look at the same place.
-            if seen.value >= silence && before.value >= silence {
+            let is_silence = seen.is_silence() && before.is_silence();
+            if is_silence || (is_known && is_same.is_some()) {
                 continue;
             }
             let turned = seen.turned.saturating_sub(before.turned);
-            let difference = seen.value.abs_diff(before.value);
+            let difference = (self.fits.equalized(&seen)).abs_diff(self.fits.equalized(before));
             if before.sensor == seen.sensor {
                 self.full_turn.compare(turned, difference);
             } else if turned.unsigned_abs() <= HALF_TURN {

@@ -1,7 +1,7 @@
 //! Sensors anywhere on a body: told where they look, or finding it by random moves.
 
 use super::Body;
-use crate::calibration::{Babble, BabbleLimits, Solver};
+use crate::calibration::{Babble, BabbleLimits, Geometry, Solver};
 use crate::config::Config;
 #[cfg(feature = "store")]
 use crate::config::MAX_CONFIG;
@@ -193,25 +193,24 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize, const RECORD
     }
 
     /// What all moves tell of the sensors.
-    fn listen(&mut self, config: &Config<SECTORS>, event: &Event<SECTORS>) {
+    fn listen(&mut self, event: &Event<SECTORS>) {
         match *event {
+            Event::Echo { sensor, .. } if !self.told.enabled.contains(sensor.into()) => {}
             Event::Echo { sensor, range } if self.listens => {
-                let limits = self.babble_limits(config);
-                let _ = self.babble.hear(&limits, sensor.into(), range, true);
+                let known = self.known.known_bearings();
+                self.babble
+                    .watch(sensor.into(), range, Geometry::Rough(&known));
             }
             // One that does not see far is silent nearly everywhere: that tells nothing of it.
             Event::Echo { range: None, .. } if self.told.silence_mm.is_some() => {}
-            Event::Echo { sensor, range } if self.told.enabled.contains(sensor.into()) => {
+            Event::Echo { sensor, range } => {
                 let known = self.known.known_bearings();
                 let range = range.map(|range| self.known.as_on_ring(sensor.into(), range));
-                self.babble.watch(sensor.into(), range, &known);
+                self.babble
+                    .watch(sensor.into(), range, Geometry::Known(&known));
             }
             Event::Odometry { moved, turned, .. } => self.babble.moved(moved, turned),
-            Event::Echo { .. }
-            | Event::Command(_)
-            | Event::Tick
-            | Event::Alarm(_)
-            | Event::Touched => {}
+            Event::Command(_) | Event::Tick | Event::Alarm(_) | Event::Touched => {}
         }
     }
 
@@ -298,7 +297,7 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize, const RECORD
         if event == Event::Tick {
             self.solve();
         }
-        self.listen(config, &event);
+        self.listen(&event);
         let event = self.corrected(event);
         let was_moving = state.is_moving();
         let outputs = turret::handle(config, &self.known, &mut self.turret, state, at, event);

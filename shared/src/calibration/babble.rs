@@ -1,6 +1,6 @@
 //! Random moves of a body that does not know where its sensors look.
 
-use super::{Calibration, KnownBearings};
+use super::{Calibration, Geometry};
 use crate::fixed::Mask;
 use crate::units::{Bearing, Displacement, Range};
 use rand_core::{Rng, SeedableRng};
@@ -82,8 +82,8 @@ impl<const BEAMS: usize> Babble<BEAMS> {
     }
 
     /// A sensor of a body that makes other moves was heard.
-    pub fn watch(&mut self, sensor: usize, range: Option<Range>, known: &KnownBearings<BEAMS>) {
-        self.calibration.hear(sensor, range, Some(known));
+    pub fn watch(&mut self, sensor: usize, range: Option<Range>, geometry: Geometry<'_, BEAMS>) {
+        self.calibration.hear(sensor, range, geometry);
     }
 
     /// Forgets what is known of a sensor.
@@ -130,7 +130,7 @@ impl<const BEAMS: usize> Babble<BEAMS> {
         if !limits.enabled.contains(sensor) {
             return None;
         }
-        self.calibration.hear(sensor, range, None);
+        self.calibration.hear(sensor, range, Geometry::Unknown);
         *self.ranges.get_mut(sensor)? = range;
         self.fresh = self.fresh.with(sensor);
         if is_moving || self.moves_left == 0 || !self.has_heard_all(limits) {

@@ -5,6 +5,7 @@ use super::{NEAR_MM, Reading};
 use crate::actuation::ONE_Q12;
 use crate::fixed::Mask;
 use crate::units::{Bearing, Range};
+use micromath::F32Ext;
 
 /// Sensors look at the same thing within this angle: 3°.
 const SAME_THING: u16 = (65_536_u32 * 3 / 360) as u16;
@@ -55,6 +56,28 @@ impl<const BEAMS: usize> KnownBearings<BEAMS> {
 fn true_turn(reading: &Reading, turn_q12: u16) -> Bearing {
     let told = i32::from(reading.turned) << 6;
     Bearing::from_turns((told.wrapping_mul(turn_q12.into()) / i32::from(ONE_Q12)) as u16)
+}
+
+/// What is known of where the sensors look.
+#[derive(Debug, Clone, Copy)]
+pub enum Geometry<'a, const BEAMS: usize> {
+    /// Nothing.
+    Unknown,
+    /// As far as the first moves have told: readings go on telling it, and how much more one sensor
+    /// reads than another.
+    Rough(&'a KnownBearings<BEAMS>),
+    /// All of it: a sensor whose readings do not fit was moved, or has failed.
+    Known(&'a KnownBearings<BEAMS>),
+}
+
+impl<'a, const BEAMS: usize> Geometry<'a, BEAMS> {
+    /// The bearings, as far as they are known.
+    pub(super) const fn bearings(self) -> Option<&'a KnownBearings<BEAMS>> {
+        match self {
+            Self::Unknown => None,
+            Self::Rough(bearings) | Self::Known(bearings) => Some(bearings),
+        }
+    }
 }
 
 /// Who looked at a thing when.
@@ -124,24 +147,42 @@ pub(super) struct Fits<const BEAMS: usize>([Fit; BEAMS]);
 impl<const BEAMS: usize> Fits<BEAMS> {
     pub(super) const NEW: Self = Self([Fit::NEW; BEAMS]);
 
-    /// Two sensors have read the same thing.
-    pub(super) fn compare(&mut self, before: &Reading, seen: &Reading) {
+    /// Two sensors have read the same thing: their gains, and how well each fits if it is `known`
+    /// where they look.
+    pub(super) fn compare(&mut self, before: &Reading, seen: &Reading, known: bool) {
         // Two that look the same way at once stand apart for that: things beside it differ.
-        if before.sensor != seen.sensor && before.turned != seen.turned {
-            let gain = |reading: &Reading| {
-                let fit = self.0.get(usize::from(reading.sensor));
-                fit.map_or(0, |fit| fit.gain / GAIN_UNITS)
-            };
-            let excess = (seen.value - gain(seen)) - (before.value - gain(before));
-            for (sensor, excess) in [(before.sensor, -excess), (seen.sensor, excess)] {
-                if let Some(fit) = self.0.get_mut(usize::from(sensor)) {
+        if before.sensor == seen.sensor || before.turned == seen.turned {
+            return;
+        }
+        let excess = self.equalized(seen) - self.equalized(before);
+        let is_heard = !seen.is_silence() && !before.is_silence();
+        for (sensor, excess) in [(before.sensor, -excess), (seen.sensor, excess)] {
+            if let Some(fit) = self.0.get_mut(usize::from(sensor)) {
+                if known {
                     fit.learn(excess);
-                    // Each time, also at a place that has told enough: what one gains the other
-                    // loses, so that chance does not shift all of them over the days.
+                }
+                // Each time, also at a place that has told enough: what one gains the other
+                // loses, so that chance does not shift all of them over the days.
+                if is_heard {
                     fit.learn_gain(excess);
                 }
             }
         }
+    }
+
+    /// The value of a reading as the other sensors would have read it.
+    pub(super) fn equalized(&self, reading: &Reading) -> i16 {
+        reading.value - self.of(reading.sensor.into()).gain / GAIN_UNITS
+    }
+
+    /// How many times as far a sensor reads as the others.
+    pub(super) fn factor(&self, sensor: usize) -> f32 {
+        let units = f32::from(1_024 * GAIN_UNITS);
+        F32Ext::exp(f32::from(self.of(sensor).gain) / units)
+    }
+
+    fn of(&self, sensor: usize) -> Fit {
+        self.0.get(sensor).copied().unwrap_or(Fit::NEW)
     }
 
     /// From now on the body is at another place.
@@ -153,12 +194,12 @@ impl<const BEAMS: usize> Fits<BEAMS> {
 
     /// A range as the others would have read it; a small difference may be chance.
     pub(super) fn corrected(&self, sensor: usize, range: Range) -> Range {
-        let fit = self.0.get(sensor).copied().unwrap_or(Fit::NEW);
-        if fit.compared < ENOUGH || fit.gain.abs() < LEAST_GAIN {
+        let gain = self.of(sensor).gain;
+        if gain.abs() < LEAST_GAIN {
             return range;
         }
         let mm = i32::from(range.as_mm());
-        let gain = i32::from(fit.gain);
+        let gain = i32::from(gain);
         // As far as the second power of the gain.
         let part = gain - gain * gain / (1 << 15);
         let excess_mm = (mm + NEAR_MM) * part / (1 << 14);
@@ -208,7 +249,7 @@ mod tests {
                     }
                 };
                 let before = reading(before, 0, value(before));
-                fits.compare(&before, &reading(seen, 30, value(seen)));
+                fits.compare(&before, &reading(seen, 30, value(seen)), true);
             }
         }
         let gains = fits.0.map(|fit| i32::from(fit.gain));

@@ -1,5 +1,6 @@
 //! Where the body's front is, and how far the base goes, from straight moves.
 
+use super::fit::Fits;
 use super::slopes::Slopes;
 use crate::units::Bearing;
 use micromath::F32Ext;
@@ -58,6 +59,7 @@ impl Front {
     pub(super) fn improve<const BEAMS: usize>(
         &mut self,
         slopes: &Slopes<BEAMS>,
+        fits: &Fits<BEAMS>,
         bearings: &[Option<Bearing>; BEAMS],
     ) {
         let (mut xx, mut xy, mut yy, mut xr, mut yr) =
@@ -72,7 +74,9 @@ impl Front {
                 f32::from(direction.y_q14) / 16_384.0,
             );
             let expected = u * self.x + v * self.y;
+            let factor = fits.factor(sensor);
             for (slope, weight) in slopes.of(sensor) {
+                let slope = slope / factor;
                 let off = if self.rounds == 0 {
                     0.0
                 } else {
@@ -96,5 +100,40 @@ impl Front {
                 rounds: self.rounds.saturating_add(1),
             }
         };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibration::Reading;
+
+    /// Two sensors at 45° to either side, of which one reads 1.15 times as far as it should and the
+    /// other 1/1.15 times. As they read, the front would be 8° off.
+    #[test]
+    fn the_front_is_where_equal_sensors_would_show_it() {
+        let mut fits = Fits::<2>::NEW;
+        let [left, right] = [(0, 143), (1, -143)].map(|(sensor, excess)| Reading {
+            sensor,
+            turned: 30 * i16::from(sensor),
+            value: 1_000 + excess,
+        });
+        for _ in 0..1_000 {
+            fits.compare(&left, &right, false);
+        }
+        let mut slopes = Slopes::<2>::NEW;
+        slopes.note(0, 500, -406);
+        slopes.note(1, 500, -307);
+        let bearings = [Bearing::of_place(1, 8), Bearing::of_place(7, 8)].map(Some);
+        let front = |fits| {
+            let mut front = Front::UNKNOWN;
+            while !front.is_found() {
+                front.improve(&slopes, fits, &bearings);
+            }
+            f64::from(front.turn().as_signed_turns()) * 360.0 / 65_536.0
+        };
+        let (equal, unequal) = (front(&fits), front(&Fits::NEW));
+        assert!(equal.abs() < 1.0, "{equal}");
+        assert!(unequal.abs() > 6.0, "{unequal}");
     }
 }

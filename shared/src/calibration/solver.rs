@@ -219,7 +219,7 @@ impl<const BEAMS: usize> Solver<BEAMS> {
                 self.step = self.next_start();
             }
             Step::Ahead(mut front) => {
-                front.improve(&calibration.slopes, &self.best.1);
+                front.improve(&calibration.slopes, &calibration.fits, &self.best.1);
                 self.step = Step::Ahead(front);
                 if front.is_found() {
                     self.step = Step::Idle;

@@ -132,7 +132,7 @@ fn print_body(watch: &Stopwatch, counts: &body::BodyCounts) {
     row(
         "body: echo while it finds its sensors",
         counts.babble.on_the_way,
-        14_310,
+        21_050,
     );
     row("body: step to where they are", counts.step, 389_290);
     let mut whole = InstructionStats::default();
