@@ -204,7 +204,7 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
             turned: (self.turned >> 6) as i16,
             value: logarithm(range),
         };
-        if matches!(geometry, Geometry::Known(_)) || !self.is_silent_again(sensor, range) {
+        if geometry.is_known() || !self.is_silent_again(sensor, range) {
             self.note_spread(sensor, seen.value.into());
         }
         self.compare(seen, geometry);
@@ -264,7 +264,7 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
 
     /// Compares a reading with those of other sensors at this place, and keeps it.
     fn compare(&mut self, seen: Reading, geometry: Geometry<'_, BEAMS>) {
-        let is_known = matches!(geometry, Geometry::Known(_));
+        let is_known = geometry.is_known();
         let view = geometry.bearings().map(|known| known.same_view(&seen));
         for before in &self.readings {
             let is_same = view.as_ref().and_then(|view| view.has(before));
@@ -272,8 +272,8 @@ impl<const BEAMS: usize> Calibration<BEAMS> {
                 self.fits.compare(before, &seen, is_known);
             }
             // Two sensors that hear nothing need not look at the same place.
-            let is_silence = seen.is_silence() && before.is_silence();
-            if is_silence || (is_known && is_same.is_some()) {
+            let are_silent = seen.is_silence() && before.is_silence();
+            if are_silent || (is_known && is_same.is_some()) {
                 continue;
             }
             let turned = seen.turned.saturating_sub(before.turned);

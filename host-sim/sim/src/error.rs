@@ -29,9 +29,7 @@ impl std::fmt::Display for EpisodeError {
             ),
             Self::Stopped(reason) => write!(f, "the robot stopped: {}", stop_reason(*reason)),
             Self::Link(why) | Self::Log(why) => f.write_str(why),
-            Self::NoPlaces => f.write_str(
-                "the controller has no memory of places",
-            ),
+            Self::NoPlaces => f.write_str("the controller has no memory of places"),
         }
     }
 }

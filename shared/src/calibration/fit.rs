@@ -52,12 +52,6 @@ impl<const BEAMS: usize> KnownBearings<BEAMS> {
     }
 }
 
-/// Turn since the place began, as it was; the base tells it.
-fn true_turn(reading: &Reading, turn_q12: u16) -> Bearing {
-    let told = i32::from(reading.turned) << 6;
-    Bearing::from_turns((told.wrapping_mul(turn_q12.into()) / i32::from(ONE_Q12)) as u16)
-}
-
 /// What is known of where the sensors look.
 #[derive(Debug, Clone, Copy)]
 pub enum Geometry<'a, const BEAMS: usize> {
@@ -71,6 +65,11 @@ pub enum Geometry<'a, const BEAMS: usize> {
 }
 
 impl<'a, const BEAMS: usize> Geometry<'a, BEAMS> {
+    /// Whether all of it is known.
+    pub(super) const fn is_known(self) -> bool {
+        matches!(self, Self::Known(_))
+    }
+
     /// The bearings, as far as they are known.
     pub(super) const fn bearings(self) -> Option<&'a KnownBearings<BEAMS>> {
         match self {
@@ -78,6 +77,12 @@ impl<'a, const BEAMS: usize> Geometry<'a, BEAMS> {
             Self::Rough(bearings) | Self::Known(bearings) => Some(bearings),
         }
     }
+}
+
+/// Turn since the place began, as it was; the base tells it.
+fn true_turn(reading: &Reading, turn_q12: u16) -> Bearing {
+    let told = i32::from(reading.turned) << 6;
+    Bearing::from_turns((told.wrapping_mul(turn_q12.into()) / i32::from(ONE_Q12)) as u16)
 }
 
 /// Who looked at a thing when.
@@ -228,6 +233,7 @@ impl<const BEAMS: usize> Fits<BEAMS> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::logarithm;
     use super::*;
 
     #[test]
@@ -255,5 +261,26 @@ mod tests {
         let gains = fits.0.map(|fit| i32::from(fit.gain));
         assert_eq!(gains.iter().sum::<i32>(), 0, "{gains:?}");
         assert!(gains[1] > 1_638, "{gains:?}");
+    }
+
+    #[test]
+    fn silence_tells_nothing_of_gains() {
+        let gains = |before, seen| {
+            let mut fits = Fits::<2>::NEW;
+            let reading = |sensor, range: Option<u16>| Reading {
+                sensor,
+                turned: 30 * i16::from(sensor),
+                value: logarithm(range.map(Range::from_mm)),
+            };
+            for _ in 0..200 {
+                fits.compare(&reading(0, before), &reading(1, seen), false);
+            }
+            fits.0.map(|fit| fit.gain)
+        };
+        // Nearly as far as can be heard.
+        assert_eq!(gains(Some(4_500), None), [0, 0]);
+        assert_eq!(gains(None, Some(4_500)), [0, 0]);
+        let [less, more] = gains(Some(3_900), Some(4_500));
+        assert!(less < -800 && more > 800, "{less} {more}");
     }
 }
