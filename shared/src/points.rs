@@ -7,6 +7,9 @@
 //! seen from elsewhere a point stands where newer echoes have left it, and it goes when they came
 //! from beyond all of its cone, or when it was heard too long ago, by distance traveled.
 //!
+//! A [shield](crate::shield) that has to end motions in time, wherever in a cone their obstacle
+//! stands, keeps the near ones alone.
+//!
 //! Nothing here depends on the maps, the planner or the time.
 
 use crate::disc::{direction_of, until_contact};
@@ -16,9 +19,11 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 mod arc;
+mod near;
 mod sectors;
 
-use arc::{Arc, FreeBeam};
+use arc::{Arc, FreeBeam, Ray};
+pub(crate) use near::Lobe;
 pub(crate) use sectors::sector_at;
 use sectors::{sectors_at, with_views};
 
@@ -163,8 +168,18 @@ impl<const POINTS: usize> PointMemory<POINTS> {
     }
 
     /// The robot has moved, in the body's frame, and then turned: points keep their place in the
-    /// world.
+    /// world. Those seen long ago, by travel, are dropped.
     pub fn moved(&mut self, limits: &PointLimits, moved: Displacement, turned: Bearing) {
+        self.carry(moved, turned);
+        if moved != Displacement::ZERO {
+            let now = Travel::to(self.traveled_mm);
+            self.points
+                .retain(|point| point.traveled.is_within(limits.keep_mm, now));
+        }
+    }
+
+    /// As [`moved`](Self::moved); all points are kept.
+    pub(crate) fn carry(&mut self, moved: Displacement, turned: Bearing) {
         if moved != Displacement::ZERO {
             let moved = moved.rotated(self.heading.direction());
             self.traveled_mm = self.traveled_mm.wrapping_add(moved.length_mm());
@@ -172,9 +187,6 @@ impl<const POINTS: usize> PointMemory<POINTS> {
                 point.at = point.at.minus(moved);
                 point.seen_from = point.seen_from.minus(moved);
             }
-            let now = Travel::to(self.traveled_mm);
-            self.points
-                .retain(|point| point.traveled.is_within(limits.keep_mm, now));
         }
         self.heading = self.heading.plus(turned);
     }
@@ -182,38 +194,43 @@ impl<const POINTS: usize> PointMemory<POINTS> {
     /// Takes a reading: its beam shows free what lies before its echo, which is a new point. A
     /// sensor that hears nothing tells nothing: an echo may have gone astray on a smooth wall.
     pub fn hear(&mut self, limits: &PointLimits, beam: &Beam) {
-        let axis = self.heading.plus(beam.axis).direction();
-        let face = beam.mount.rotated(self.heading.direction());
-        let range_mm = i32::from(beam.range.as_mm());
+        let ray = self.ray(beam);
+        let half_cone = limits.half_cone.direction();
         let echo_mm = if beam.is_echo {
             limits.short_of_echo_mm.into()
         } else {
             0
         };
-        let free = FreeBeam {
-            face,
-            axis,
-            half_cone: limits.half_cone.direction(),
-            length_mm: range_mm - echo_mm,
-        };
-        self.points
-            .retain_mut(|point| point.arc.carve(point.at, &free));
+        let free = ray.free(half_cone, ray.range_mm - echo_mm);
+        self.carve(&free);
         // Points stand in the order heard.
         if self.points.is_full() {
             self.points.remove(0);
         }
-        let (x_mm, y_mm) = axis.times(range_mm);
-        // There is room.
-        let _ = self.points.push(Point {
-            at: face.plus(Displacement::saturating(x_mm, y_mm)),
-            seen_from: Displacement::ZERO,
-            traveled: Travel::to(self.traveled_mm),
-            arc: if beam.is_echo {
-                Arc::new(axis, range_mm, limits.half_cone)
-            } else {
-                Arc::NOTHING
-            },
-        });
+        let arc = if beam.is_echo {
+            // Four fifths of the cone.
+            let edge_mm = half_cone.times(ray.range_mm).1;
+            Arc::new(ray.axis, edge_mm * 2 / 5)
+        } else {
+            Arc::NOTHING
+        };
+        let at = ray.at(ray.range_mm);
+        let _ = self.points.push(Point::new(at, self.traveled_mm, arc));
+    }
+
+    /// A beam in the frame of the start.
+    fn ray(&self, beam: &Beam) -> Ray {
+        Ray {
+            face: beam.mount.rotated(self.heading.direction()),
+            axis: self.heading.plus(beam.axis).direction(),
+            range_mm: beam.range.as_mm().into(),
+        }
+    }
+
+    /// A beam has shown a part of its cone free.
+    fn carve(&mut self, free: &FreeBeam) {
+        self.points
+            .retain_mut(|point| point.arc.carve(point.at, free));
     }
 
     /// Ranges of a ring of evenly spaced sectors, with the bearings of the frame of the start, and
@@ -320,6 +337,16 @@ impl<const POINTS: usize> PointMemory<POINTS> {
 }
 
 impl Point {
+    /// Heard from here.
+    const fn new(at: Displacement, traveled_mm: u16, arc: Arc) -> Self {
+        Self {
+            at,
+            seen_from: Displacement::ZERO,
+            traveled: Travel::to(traveled_mm),
+            arc,
+        }
+    }
+
     /// Something is there; otherwise this is how far a sensor saw free space.
     fn is_echo(&self) -> bool {
         self.arc.is_echo()

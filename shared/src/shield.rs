@@ -1,19 +1,17 @@
 //! Limits how far and how fast the robot may go, by the echoes of the ring.
 //!
 //! An echo means that the nearest surface within the transducer's lobe lies somewhere on an arc
-//! around its face. The shield keeps some arcs of every transducer, moves them along as the robot
-//! moves (odometry), and lets a displacement end where the body would come within a margin of the
-//! part of any arc that lies most in the way. A direction that no echo covers is closed. The speed
-//! is such that the robot can stop within the distance left, at the given deceleration.
+//! around its face. The shield keeps the nearest of these arcs as [points](crate::points), moves
+//! them along as the robot moves (odometry), and lets a displacement end where the body would come
+//! within a margin of any place of an arc that no newer echo has shown free. A direction in which
+//! no transducer looks is closed. The speed is such that the robot can stop within the distance
+//! left, at the given deceleration.
 //!
-//! Arcs are stored by bearing, not by transducer: as the ring turns, its echoes of a near wall
-//! replace no arcs of other bearings.
+//! Time alone frees nothing, and neither does silence. The first echo from beyond an arc does not
+//! either: it may have gone astray. Later ones free the places that their cone holds together with
+//! half the way to the next: an edge may stand between two places.
 //!
-//! An arc does not expire. Each of its points stays until newer echoes contradict it: they come
-//! from farther away through a cone that contains the point. Silence from another direction or from
-//! a turned ring contradicts nothing: a corner may have moved from the lobe into the gap beside it.
-//!
-//! Arcs keep the bearing that the ring had at the start. Only new echoes and ways are rotated, so
+//! Points keep the bearing that the ring had at the start. Only new echoes and ways are rotated, so
 //! errors of rotation do not add up.
 //!
 //! The shield cannot know an obstacle thinner than the gap between two lobes from the first place
@@ -22,23 +20,19 @@
 //! margin covers.
 
 use crate::config::Config;
+use crate::disc::direction_of;
 use crate::fixed::{Mask, isqrt};
+use crate::points::{Beam, PointMemory};
 use crate::scan::Echo;
 use crate::units::{Bearing, Direction, Displacement, Millis};
-use arc::{Arc, LobeShape};
-use cone::Cone;
-use path::StraightPath;
 
-mod arc;
-mod cone;
 mod config;
 mod detour;
-mod path;
 
 pub use config::ShieldConfig;
 
-/// Arcs kept per place of the ring, at most.
-pub(crate) const ARCS_PER_SENSOR: usize = 4;
+/// Points that it keeps, at most: four rings of 16.
+const POINTS: usize = 64;
 
 /// A motion is not shortened by less, millimeters.
 const ROUNDING_MM: u16 = 3;
@@ -48,20 +42,13 @@ const ROUNDING_MM: u16 = 3;
 /// distance of two lobes.
 pub(crate) const SECOND_VIEW_MM: u16 = 80;
 
-/// The arcs of the latest echoes.
+/// The points of the latest echoes, and when each transducer was heard.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shield<const SENSORS: usize> {
-    /// Of each place of the unturned ring those that look nearest its way, in no order.
-    arcs: [[Arc; ARCS_PER_SENSOR]; SENSORS],
-    /// Which transducer heard each arc.
-    heard_by: [[u8; ARCS_PER_SENSOR]; SENSORS],
+    points: PointMemory<POINTS>,
     /// When each transducer was heard last, if ever.
     heard_at: [Millis; SENSORS],
     heard: Mask,
-    /// How far the ring has turned from the shield's frame.
-    turned: Bearing,
-    /// The lobe of the last echo.
-    lobe: Option<LobeShape>,
     /// How far the robot has moved since it knew nothing, millimeters; counted until that makes a
     /// second view.
     way_mm: u16,
@@ -87,21 +74,17 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            arcs: [[Arc::NONE; ARCS_PER_SENSOR]; SENSORS],
-            heard_by: [[0; ARCS_PER_SENSOR]; SENSORS],
+            points: PointMemory::new(),
             heard_at: [Millis::from_ms(0); SENSORS],
             heard: Mask::NONE,
-            turned: Bearing::ZERO,
-            lobe: None,
             way_mm: 0,
         }
     }
 
     /// Forgets everything heard.
     pub fn forget(&mut self) {
-        self.arcs.as_flattened_mut().fill(Arc::NONE);
+        self.points.restart();
         self.heard = Mask::NONE;
-        self.turned = Bearing::ZERO;
         self.way_mm = 0;
     }
 
@@ -112,62 +95,32 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         self.way_mm < SECOND_VIEW_MM - 10
     }
 
-    /// Takes an echo of a transducer: it counts against the arcs it contradicts, and becomes an arc
-    /// itself. At its place of the ring it replaces the arc whose valid points are farthest.
+    /// Takes an echo of a transducer: it frees what lies before it, and becomes a point itself. If
+    /// one is heard that was silent for long the robot may have been carried: nothing else is
+    /// known any more.
     #[inline(never)]
     pub fn hear(&mut self, config: &Config<SENSORS>, sensor: usize, echo: Echo) {
         let (Some(limits), Some(axis)) = (&config.shield, config.robot.directions.get(sensor))
         else {
             return;
         };
-        let axis = self.in_frame(*axis);
-        let (x_mm, y_mm) = axis.times(i32::from(config.robot.face_radius_mm));
-        let cone = Cone::new(Displacement::saturating(x_mm, y_mm), axis, echo);
-        self.drop_if_silent(limits, sensor, echo.at);
-        let place = self.place_of(config, sensor, axis);
-        if self.lobe.is_none_or(|lobe| lobe.half != limits.half_lobe) {
-            self.lobe = Some(LobeShape::of(limits.half_lobe));
+        if self.since_heard(sensor, echo.at) > Some(limits.forget_ms) {
+            self.forget();
         }
-        let Some(lobe) = &self.lobe else { return };
-        let arcs = self.arcs.as_flattened_mut().iter_mut();
-        for arc in arcs.filter(|arc| cone.looks_along(arc)) {
-            cone.look(limits, lobe, arc);
-        }
-        if echo.range.is_none() {
-            return;
-        }
-        let kept = usize::from(limits.places).clamp(1, ARCS_PER_SENSOR);
-        let arcs = self.arcs.get_mut(place).into_iter().flatten();
-        let heard_by = self.heard_by.get_mut(place).into_iter().flatten();
-        let (mut farthest, mut most) = (None, 0);
-        for slot in arcs.zip(heard_by).take(kept) {
-            let distance = slot.0.half_distance_squared(lobe, most);
-            if distance >= most {
-                (farthest, most) = (Some(slot), distance);
-            }
-        }
-        if let Some((arc, by)) = farthest {
-            // A ring has at most 32 transducers.
-            (*arc, *by) = (Arc::heard(cone.face, cone.axis, echo), sensor as u8);
-        }
-    }
-
-    /// Drops the arcs of a transducer that was silent for long.
-    fn drop_if_silent(&mut self, limits: &ShieldConfig, sensor: usize, now: Millis) {
-        let is_silent = self.since_heard(sensor, now) > Some(limits.forget_ms);
         if let Some(at) = self.heard_at.get_mut(sensor) {
-            *at = now;
+            *at = echo.at;
             self.heard = self.heard.with(sensor);
         }
-        if is_silent {
-            let heard_by = self.heard_by.as_flattened().iter();
-            for (arc, by) in self.arcs.as_flattened_mut().iter_mut().zip(heard_by) {
-                if usize::from(*by) == sensor {
-                    *arc = Arc::NONE;
-                }
-            }
-            self.way_mm = 0;
-        }
+        let Some(range) = echo.range else { return };
+        let (x_mm, y_mm) = axis.times(i32::from(config.robot.face_radius_mm));
+        let mount = Displacement::saturating(x_mm, y_mm);
+        let beam = Beam {
+            mount,
+            axis: mount.bearing(),
+            range: limits.as_near_as_may_be(range),
+            is_echo: true,
+        };
+        self.points.hear_near(&limits.lobe(config), &beam);
     }
 
     /// Time since a transducer was heard, milliseconds; `None` = never heard.
@@ -176,52 +129,12 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         self.heard.contains(sensor).then(|| now.after(*at))
     }
 
-    /// The place of the unturned ring that looks nearest this way: the transducer's own while the
-    /// ring is not turned.
-    fn place_of(&self, config: &Config<SENSORS>, sensor: usize, axis: Direction) -> usize {
-        if self.turned == Bearing::ZERO {
-            return sensor;
-        }
-        let (x, y) = (i32::from(axis.x_q14), i32::from(axis.y_q14));
-        let places = config.robot.directions.iter().enumerate();
-        let nearest = places.max_by_key(|(_, direction)| direction.along(x, y));
-        nearest.map_or(sensor, |(place, _)| place)
-    }
-
-    /// The robot has moved and then its ring has turned: the arcs keep their place in the world.
+    /// The robot has moved and then its ring has turned: the points keep their place in the world.
     pub fn moved(&mut self, by: Displacement, turned: Bearing) {
-        if by != Displacement::ZERO {
-            let by = self.way_in_frame(by);
-            if self.has_one_view() {
-                self.way_mm = self.way_mm.saturating_add(by.length_mm());
-            }
-            if self.heard != Mask::NONE {
-                for arc in self.arcs.as_flattened_mut() {
-                    arc.face = arc.face.minus(by);
-                }
-            }
+        if self.has_one_view() {
+            self.way_mm = self.way_mm.saturating_add(by.length_mm());
         }
-        self.turned = self.turned.plus(turned);
-    }
-
-    /// A way in the ring's frame, in the shield's.
-    fn way_in_frame(&self, way: Displacement) -> Displacement {
-        if self.turned == Bearing::ZERO {
-            return way;
-        }
-        way.rotated(self.turned.direction())
-    }
-
-    /// A direction in the ring's frame, in the shield's.
-    fn in_frame(&self, axis: Direction) -> Direction {
-        if self.turned == Bearing::ZERO {
-            return axis;
-        }
-        let (x, y) = (self.turned.direction()).rotate(axis.x_q14.into(), axis.y_q14.into());
-        Direction {
-            x_q14: x as i16,
-            y_q14: y as i16,
-        }
+        self.points.carry(by, turned);
     }
 
     /// How far and how fast the robot may go along `wanted`, by everything heard lately.
@@ -233,129 +146,80 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         wanted: Displacement,
         now: Millis,
     ) -> Allowed {
-        self.allow_by(config, enabled, wanted, now, Mask::ALL)
-    }
-
-    /// As [`allow`](Self::allow), by what the transducers in `among` heard: enough for a motion
-    /// that the others have allowed already.
-    #[must_use]
-    pub fn allow_by(
-        &self,
-        config: &Config<SENSORS>,
-        enabled: Mask,
-        wanted: Displacement,
-        now: Millis,
-        among: Mask,
-    ) -> Allowed {
-        let length = wanted.length_mm();
         let Some(limits) = &config.shield else {
             return Allowed {
-                distance_mm: length,
+                distance_mm: wanted.length_mm(),
                 speed_mm_s: config.robot.speed_mm_s,
             };
         };
-        let length = i32::from(length);
-        let new;
-        let lobe = match &self.lobe {
-            Some(lobe) if lobe.half == limits.half_lobe => lobe,
-            _ => {
-                new = LobeShape::of(limits.half_lobe);
-                &new
-            }
-        };
-        let mut path = StraightPath::new(config, limits, lobe, wanted, length, now);
-        path.direction = self.in_frame(path.direction);
-        let free = self.free_distance(
-            config,
-            enabled,
-            &path,
-            length.saturating_add(braking_distance(config)),
-            among,
-        );
-        let distance = free.min(length);
-        let begun = distance >= i32::from(limits.least_mm).min(length);
-        Allowed {
-            distance_mm: if begun { distance as u16 } else { 0 },
-            speed_mm_s: stopping_speed(config, free),
+        let is_closed = wanted != Displacement::ZERO
+            && self.is_closed(
+                config,
+                limits,
+                enabled,
+                direction_of(wanted, wanted.length_mm().into()),
+                now,
+            );
+        if is_closed {
+            limits.allowed(config, wanted, 0)
+        } else {
+            self.allow_by_points(config, limits, wanted)
         }
     }
 
-    /// What is left of a motion that was allowed, by what a transducer has just heard and heard
-    /// before; `None` = all of it.
+    /// What is left of a motion that was allowed, by everything heard since; `None` = all of it.
     #[must_use]
     #[inline(never)]
-    pub fn shorten(
-        &self,
-        config: &Config<SENSORS>,
-        enabled: Mask,
-        wanted: Displacement,
-        now: Millis,
-        sensor: usize,
-    ) -> Option<Allowed> {
-        config.shield.as_ref()?;
-        let length = wanted.length_mm();
-        let heard = Mask::NONE.with(sensor);
-        let allowed = self.allow_by(config, enabled, wanted, now, heard);
+    pub fn shorten(&self, config: &Config<SENSORS>, wanted: Displacement) -> Option<Allowed> {
+        let allowed = self.allow_by_points(config, config.shield.as_ref()?, wanted);
         // The same way, rounded anew, may be a little shorter.
-        let shorter = length.saturating_sub(allowed.distance_mm);
+        let shorter = wanted.length_mm().saturating_sub(allowed.distance_mm);
         (shorter > ROUNDING_MM).then_some(allowed)
     }
 
-    /// Distance along the way until something heard comes within the margin, at most `limit`.
-    fn free_distance(
+    fn allow_by_points(
         &self,
         config: &Config<SENSORS>,
-        enabled: Mask,
-        path: &StraightPath<'_>,
-        limit: i32,
-        among: Mask,
-    ) -> i32 {
-        // A robot that stands meets nothing.
-        if path.direction == Direction::default() {
-            return limit;
-        }
-        if !enabled.and(among).covers(SENSORS) {
-            return self.free_by_some(config, enabled, path, limit, among);
-        }
-        let mut axes = config.robot.directions.iter().enumerate();
-        if axes.any(|(sensor, axis)| self.is_stale(path, sensor, *axis)) {
-            return 0;
-        }
-        path.until_any(self.arcs.as_flattened().iter(), limit)
+        limits: &ShieldConfig,
+        wanted: Displacement,
+    ) -> Allowed {
+        let far_mm = i32::from(wanted.length_mm()) + braking_distance(config);
+        let far_mm = far_mm.min(i16::MAX.into()) as u16;
+        let free_mm = if wanted == Displacement::ZERO {
+            // A robot that stands meets nothing.
+            far_mm
+        } else {
+            let way = wanted.rotated(self.points.heading().direction());
+            let reach_mm = config.robot.body_radius_mm.saturating_add(limits.margin_mm);
+            self.points
+                .free_of_arcs_mm(way.with_length(far_mm), reach_mm)
+        };
+        limits.allowed(config, wanted, free_mm.into())
     }
 
-    /// The same for some of the transducers. Apart, so that it costs nothing for all of them.
-    #[inline(never)]
-    fn free_by_some(
+    /// Whether a way leads where a transducer looks that was not heard lately, or through the
+    /// sector of a disabled one, where a post stays unheard. That sector reaches to 30° from its
+    /// axis, beyond those of the neighbors in a ring of 16: the robot is wider than the gap.
+    fn is_closed(
         &self,
         config: &Config<SENSORS>,
+        limits: &ShieldConfig,
         enabled: Mask,
-        path: &StraightPath<'_>,
-        limit: i32,
-        among: Mask,
-    ) -> i32 {
-        if among == Mask::ALL && path.is_blind(config, enabled) {
-            return 0;
-        }
-        let asked = enabled.and(among);
-        let axis = |sensor: usize| config.robot.directions.get(sensor);
-        let is_stale =
-            |sensor: usize| axis(sensor).is_some_and(|axis| self.is_stale(path, sensor, *axis));
-        if asked.indices(SENSORS).any(is_stale) {
-            return 0;
-        }
-        let arcs = self.arcs.as_flattened().iter();
-        let arcs = arcs.zip(self.heard_by.as_flattened());
-        let theirs = arcs.filter(|(_, by)| asked.contains(usize::from(**by)));
-        path.until_any(theirs.map(|(arc, _)| arc), limit)
-    }
-
-    /// Whether the transducer looks where the robot would go and was not heard lately.
-    fn is_stale(&self, path: &StraightPath<'_>, sensor: usize, axis: Direction) -> bool {
-        path.is_covered_by(axis)
-            && self
-                .since_heard(sensor, path.now)
-                .is_none_or(|ms| ms > path.limits.fresh_ms)
+        way: Direction,
+        now: Millis,
+    ) -> bool {
+        const COS_45_Q14: i32 = 11_585;
+        const COS_30_Q14: i32 = 14_189;
+        let mut ring = config.robot.directions.iter().enumerate();
+        ring.any(|(sensor, axis)| {
+            let cosine = way.along(axis.x_q14.into(), axis.y_q14.into());
+            if enabled.contains(sensor) {
+                let since = self.since_heard(sensor, now);
+                cosine > COS_45_Q14 && since.is_none_or(|ms| ms > limits.fresh_ms)
+            } else {
+                cosine > COS_30_Q14
+            }
+        })
     }
 }
 

@@ -166,7 +166,7 @@ impl<P: Policy> RingPilot<P> {
             self.shield.hear(&self.config, sensor, echo);
         }
         if self.moving {
-            self.guard(sensor, echo.at)
+            self.guard()
         } else if self.scan.is_complete(self.config.enabled) {
             self.decide(echo.at)
         } else {
@@ -175,15 +175,12 @@ impl<P: Policy> RingPilot<P> {
     }
 
     /// Shortens the current motion if the newest echo requires it.
-    fn guard(&mut self, sensor: usize, now: Millis) -> Outputs<16> {
+    fn guard(&mut self) -> Outputs<16> {
         let Some(active) = &mut self.active else {
             return Outputs::NONE;
         };
         let remaining = active.remaining.now();
-        let shorter = self
-            .shield
-            .shorten(&self.config, Mask::ALL, remaining, now, sensor);
-        let Some(allowed) = shorter else {
+        let Some(allowed) = self.shield.shorten(&self.config, remaining) else {
             return Outputs::NONE;
         };
         // A base that has overrun its motion stops, as under the controller.

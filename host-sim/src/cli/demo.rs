@@ -23,7 +23,7 @@ pub struct DemoArgs {
     seed: u64,
 }
 
-const DEMO_SEED: u64 = 18;
+const DEMO_SEED: u64 = 6;
 
 impl Default for DemoArgs {
     fn default() -> Self {

@@ -59,7 +59,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let verdict = self.detector.update(config, sensor, echo.range);
         self.scan.hear(index, echo);
         let mut outputs = if self.moving {
-            self.guard(config, index, echo.at)
+            self.guard(config)
         } else if self.scan.is_complete(self.enabled(config)) {
             self.decide(config, echo.at)
         } else {
@@ -82,13 +82,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     /// Shortens the motion under way where the newest echo asks for it.
-    fn guard(&mut self, config: &Config<SENSORS>, sensor: usize, now: Millis) -> Outputs<SENSORS> {
+    fn guard(&mut self, config: &Config<SENSORS>) -> Outputs<SENSORS> {
         let Some(pending) = &mut self.pending else {
             return Outputs::none();
         };
         let remaining = pending.remaining.now();
-        let enabled = self.detector.enabled(config);
-        let Some(allowed) = self.shield.shorten(config, enabled, remaining, now, sensor) else {
+        let Some(allowed) = self.shield.shorten(config, remaining) else {
             return Outputs::none();
         };
         // A base that has overrun its target stands; it does not return.

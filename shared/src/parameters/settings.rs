@@ -12,7 +12,7 @@ mod rows;
 mod table;
 
 /// Former keys, which are accepted but not listed, and what they are called now.
-const FORMER_KEYS: [(&str, &str); 11] = [
+const FORMER_KEYS: [(&str, &str); 10] = [
     ("mask", "disabled-sensors"),
     ("start", "initialization"),
     ("turned", "augment-rotations"),
@@ -22,7 +22,6 @@ const FORMER_KEYS: [(&str, &str); 11] = [
     ("from", "change-from"),
     ("wanted", "probe-components"),
     ("answer", "probe-neurons"),
-    ("shield.places", "shield.arcs"),
     ("shield.least-range", "shield.min-range"),
 ];
 

@@ -1,7 +1,8 @@
 //! Carving by cones: an echo tells how far something is, not where in the beam's cone. Later beams
 //! show parts of that arc free, until nothing is left.
 
-use crate::units::{Bearing, Direction, Displacement};
+use crate::disc::until_contact;
+use crate::units::{Direction, Displacement};
 
 /// Steps of an arc are kept in units of so many millimeters: 256 points have to fit.
 const UNIT_MM: i32 = 4;
@@ -11,13 +12,15 @@ const PLACES: [i8; 5] = [-2, -1, 0, 1, 2];
 const ALL_FREE: u8 = (1 << PLACES.len()) - 1;
 /// Nothing returned an echo there.
 const NO_ECHO: u8 = 1 << 7;
+/// A beam that may have gone astray has shown a part of it free.
+const DOUBTED: u8 = 1 << 6;
 
-/// Five places across four fifths of a beam's cone, at the range of its echo.
+/// Five places across a beam's cone, along a line at right angles to its axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Arc {
     /// From one place to the next on its left, in units.
     step: (i8, i8),
-    /// Places that beams have shown free, a bit for each, and [`NO_ECHO`].
+    /// Places that beams have shown free, a bit for each, and [`DOUBTED`] and [`NO_ECHO`].
     marks: u8,
 }
 
@@ -28,10 +31,9 @@ impl Arc {
         marks: NO_ECHO,
     };
 
-    /// The arc of an echo at `range_mm` on `axis`.
-    pub(super) fn new(axis: Direction, range_mm: i32, half_cone: Bearing) -> Self {
-        let edge = half_cone.direction().times(range_mm).1;
-        let (x, y) = axis.times(edge * 2 / 5);
+    /// Places `step_mm` apart across `axis`.
+    pub(super) fn new(axis: Direction, step_mm: i32) -> Self {
+        let (x, y) = axis.times(step_mm);
         let units = |mm: i32| {
             let units = crate::units::div_round(mm, UNIT_MM);
             units.clamp(-i32::from(i8::MAX), i8::MAX.into()) as i8
@@ -45,6 +47,17 @@ impl Arc {
     /// Whether something returned an echo.
     pub(super) const fn is_echo(&self) -> bool {
         self.marks & NO_ECHO == 0
+    }
+
+    /// Whether its places stand about its axis as those of another arc do, to within 64 mm.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        let apart = |a: i8, b: i8| (i32::from(a) - i32::from(b)).abs();
+        apart(self.step.0, other.step.0) + apart(self.step.1, other.step.1) <= 8
+    }
+
+    /// Something has returned an echo again: it may be at any place.
+    pub(super) const fn confirm(&mut self) {
+        self.marks = 0;
     }
 
     /// The place nearest to the axis that no beam has shown free, from the axis.
@@ -63,6 +76,7 @@ impl Arc {
 
     /// Takes the places away that a beam has shown free; `axis` is where the arc's axis is, from
     /// the robot. Returns whether any place is left.
+    #[inline]
     pub(super) fn carve(&mut self, axis: Displacement, beam: &FreeBeam) -> bool {
         let offset = axis.minus(beam.face);
         let from_face = beam
@@ -71,13 +85,46 @@ impl Arc {
         !self.is_reached(from_face, beam) || self.carve_places(from_face, beam)
     }
 
+    /// Distance until a disc that goes along `way` touches a place that no beam has shown free, at
+    /// most `limit`; `axis` is where the arc's axis is, from the disc's center.
+    pub(super) fn until_contact(
+        &self,
+        axis: Displacement,
+        way: Direction,
+        radius_mm: i32,
+        limit: i32,
+    ) -> i32 {
+        let (along, aside) = way.components(axis.dx_mm.into(), axis.dy_mm.into());
+        let reach = self.reach_mm();
+        // A quick test: most arcs are behind, beside the way or beyond.
+        if along + reach <= 0
+            || aside.abs() - reach >= radius_mm
+            || along - reach - limit >= radius_mm
+        {
+            return limit;
+        }
+        let (x, y) = (i32::from(self.step.0), i32::from(self.step.1));
+        let (step_along, step_aside) = way.components(x * UNIT_MM, y * UNIT_MM);
+        let left = PLACES.into_iter().enumerate();
+        let left = left.filter(|(bit, _)| self.marks & (1 << bit) == 0);
+        left.fold(limit, |limit, (_, place)| {
+            let place = i32::from(place);
+            let at = (along + place * step_along, aside + place * step_aside);
+            until_contact(at, radius_mm, limit)
+        })
+    }
+
+    /// No place is farther from the arc's axis than this, along any direction.
+    fn reach_mm(&self) -> i32 {
+        2 * UNIT_MM * (i32::from(self.step.0).abs() + i32::from(self.step.1).abs())
+    }
+
     /// Whether a beam may show any place free, by where the arc's axis is along the beam and aside
     /// of it. Most arcs are behind the sensor, beyond the echo or beside the cone.
     fn is_reached(&self, (along, aside): (i32, i32), beam: &FreeBeam) -> bool {
-        // No place is farther from the arc's axis than this, along any direction.
-        let reach = 2 * UNIT_MM * (i32::from(self.step.0).abs() + i32::from(self.step.1).abs());
+        let reach = self.reach_mm();
         let nearest = (along + reach, aside.abs() - reach);
-        nearest.0 > 0 && along - reach < beam.length_mm && beam.is_in_cone(nearest)
+        along - reach < beam.length_mm && beam.is_in_cone(nearest)
     }
 
     /// Takes the places away one by one. Not inlined: few arcs need it, and the others are faster.
@@ -85,6 +132,11 @@ impl Arc {
     pub(super) fn carve_places(&mut self, (along, aside): (i32, i32), beam: &FreeBeam) -> bool {
         let (x, y) = (i32::from(self.step.0), i32::from(self.step.1));
         let (step_along, step_aside) = beam.axis.components(x * UNIT_MM, y * UNIT_MM);
+        // Most arcs stand where the beam's own echo came from: all across it, none before it.
+        if along - 2 * step_along.abs() >= beam.length_mm {
+            return true;
+        }
+        let before = self.marks;
         for (bit, place) in PLACES.into_iter().enumerate() {
             let place = i32::from(place);
             let along = along + place * step_along;
@@ -93,7 +145,36 @@ impl Arc {
                 self.marks |= 1 << bit;
             }
         }
+        if beam.may_be_astray && self.marks != before && before & DOUBTED == 0 {
+            self.marks = before | DOUBTED;
+        }
         self.marks & ALL_FREE != ALL_FREE
+    }
+}
+
+/// A beam, from the robot's center in the frame of the start.
+pub(super) struct Ray {
+    pub(super) face: Displacement,
+    pub(super) axis: Direction,
+    pub(super) range_mm: i32,
+}
+
+impl Ray {
+    /// Where its axis is so far from the face.
+    pub(super) fn at(&self, distance_mm: i32) -> Displacement {
+        let (x_mm, y_mm) = self.axis.times(distance_mm);
+        self.face.plus(Displacement::saturating(x_mm, y_mm))
+    }
+
+    /// The part of its cone that it shows free.
+    pub(super) const fn free(&self, half_cone: Direction, length_mm: i32) -> FreeBeam {
+        FreeBeam {
+            face: self.face,
+            axis: self.axis,
+            half_cone,
+            length_mm,
+            may_be_astray: false,
+        }
     }
 }
 
@@ -105,6 +186,8 @@ pub(super) struct FreeBeam {
     /// Half the opening of the cone.
     pub(super) half_cone: Direction,
     pub(super) length_mm: i32,
+    /// Its echo may have gone astray: of an arc it is the second such beam that counts.
+    pub(super) may_be_astray: bool,
 }
 
 impl FreeBeam {

@@ -146,13 +146,14 @@ fn a_beam_shows_no_place_free_that_it_does_not_reach() {
         let mut bearing = || Bearing::from_turns(any(65_536) as u16);
         let (axis, heard, from) = (bearing(), bearing(), bearing());
         let half_cone = degrees(1.0 + f64::from(any(25)));
-        let arc = Arc::new(heard.direction(), any(5_000) as i32, half_cone);
+        let arc = Arc::new(heard.direction(), any(1_000) as i32);
         let offset = Displacement::along(from, any(4_000) as i32);
         let beam = FreeBeam {
             face: Displacement::ZERO,
             axis: axis.direction(),
             half_cone: half_cone.direction(),
             length_mm: any(5_000) as i32,
+            may_be_astray: false,
         };
         // The plain way: each place by itself.
         let mut by_place = arc;
@@ -326,4 +327,31 @@ fn extreme_ranges_and_moves_do_no_harm() {
         (memory.len(), memory.ring::<16>(&LIMITS).1),
         (0, Mask::NONE)
     );
+}
+
+/// Somebody passes before a wall.
+#[test]
+fn an_echo_that_ends_motions_frees_nothing_beyond_it() {
+    let lobe = Lobe {
+        half: degrees(15.0),
+        half_free: degrees(8.75),
+        reach_mm: 2_000,
+    };
+    let beam = |range_mm| Beam {
+        mount: Displacement {
+            dx_mm: 231,
+            dy_mm: 0,
+        },
+        axis: Bearing::ZERO,
+        range: Range::from_mm(range_mm),
+        is_echo: true,
+    };
+    let mut memory = PointMemory::<8>::new();
+    memory.hear_near(&lobe, &beam(600));
+    let wall = memory.clone();
+    for _ in 0..3 {
+        memory.hear_near(&lobe, &beam(300));
+    }
+    assert_eq!(memory.len(), 2);
+    assert_eq!(memory.points.first(), wall.points.first());
 }

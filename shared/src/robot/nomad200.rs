@@ -52,13 +52,10 @@ impl ShieldConfig {
         Self {
             margin_mm: 90,
             half_lobe: Bearing::from_turns(2_731),
-            places: 4,
-            spacing_mm: 2,
             fresh_ms: 2_000,
             forget_ms: 600_000,
             least_mm: 10,
             least_range_mm: 153,
-            approach_mm_s: 0,
         }
     }
 }

@@ -1,6 +1,9 @@
 //! Configuration of the shield: margins, lobes and times.
 
-use crate::units::Bearing;
+use super::{Allowed, braking_distance, stopping_speed};
+use crate::config::Config;
+use crate::points::Lobe;
+use crate::units::{Bearing, Displacement, Range};
 use serde::{Deserialize, Serialize};
 
 /// Margins, lobes and times of the shield.
@@ -10,34 +13,60 @@ pub struct ShieldConfig {
     pub margin_mm: u16,
     /// Half the opening of a transducer's lobe.
     pub half_lobe: Bearing,
-    /// Arcs kept per place of the ring, 1 … 4. The newest replaces the farthest, by the points that
-    /// still count.
-    pub places: u8,
-    /// Echoes whose faces were less than this apart, with the same axis, come through one cone,
-    /// millimeters: the newer replaces the older or contradicts all of it. Small, as a near corner
-    /// leaves the lobe within a few centimeters.
-    pub spacing_mm: u16,
     /// A direction is open only while the transducers that look there have been heard within this
     /// time, milliseconds.
     pub fresh_ms: u32,
-    /// A transducer that was silent for longer than this may have been carried elsewhere: its arcs
-    /// are dropped when it is heard again, milliseconds. While it is heard, arcs do not expire.
+    /// When a transducer is heard that was silent for longer than this, the robot may have been
+    /// carried elsewhere, and all else that was heard is forgotten, milliseconds. Nothing else
+    /// expires.
     pub forget_ms: u32,
     /// Displacements that would be shortened to less than this are not begun, millimeters.
     pub least_mm: u16,
     /// The shortest range the ring can report, millimeters: a reading this short may be anything
     /// nearer, so the place before it is closed as well.
     pub least_range_mm: u16,
-    /// Highest speed of things that may come towards the robot, millimeters per second: every echo
-    /// loses this much range per second of its age.
-    pub approach_mm_s: u16,
 }
 
 impl ShieldConfig {
-    /// From a face to the point that stands for all that is nearer than the shortest range,
-    /// millimeters: halfway, or the margin where that is less. So nothing fits between the face and
-    /// this point's margin.
-    pub(super) fn before_mm(&self) -> i32 {
-        (self.least_range_mm / 2).min(self.margin_mm).into()
+    /// A reading as short as the shortest range may be anything nearer. It counts as halfway, or as
+    /// the margin where that is less: so nothing fits between the face and the margin around it.
+    pub(super) fn as_near_as_may_be(&self, range: Range) -> Range {
+        if range.as_mm() > self.least_range_mm {
+            return range;
+        }
+        Range::from_mm((self.least_range_mm / 2).min(self.margin_mm))
+    }
+
+    /// Five places of a lobe are kept. An echo frees a place if its cone contains what lies between
+    /// it and its neighbors as well.
+    pub(super) fn lobe<const SENSORS: usize>(&self, config: &Config<SENSORS>) -> Lobe {
+        let robot = &config.robot;
+        // A quarter turn at most: sines grow up to there.
+        let half = self.half_lobe.as_turns().min(1 << 14);
+        let half_free = robot.half_cone.as_turns().saturating_sub(half / 4);
+        // What the body may meet on the next two steps.
+        let steps_mm = 2 * i32::from(robot.step_mm) + braking_distance(config);
+        let body_mm = i32::from(robot.body_radius_mm) + i32::from(self.margin_mm);
+        Lobe {
+            half: Bearing::from_turns(half),
+            half_free: Bearing::from_turns(half_free),
+            reach_mm: (steps_mm + body_mm).unsigned_abs(),
+        }
+    }
+
+    /// What is allowed of a displacement of which `free_mm` and what it takes to brake are free.
+    pub(super) fn allowed<const SENSORS: usize>(
+        &self,
+        config: &Config<SENSORS>,
+        wanted: Displacement,
+        free_mm: i32,
+    ) -> Allowed {
+        let length = i32::from(wanted.length_mm());
+        let distance = free_mm.min(length);
+        let begun = distance >= i32::from(self.least_mm).min(length);
+        Allowed {
+            distance_mm: if begun { distance as u16 } else { 0 },
+            speed_mm_s: stopping_speed(config, free_mm),
+        }
     }
 }

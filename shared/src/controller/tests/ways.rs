@@ -119,7 +119,7 @@ fn who_finds_a_way_closed_takes_a_detour() {
         )
     };
     assert_eq!(taken(&[]), (0, 250));
-    assert_eq!(taken(&[(0, 260)]), (0, 130));
+    assert_eq!(taken(&[(0, 270)]), (0, 133));
     // Eighths of a turn to the left, and to the right.
     assert_eq!(taken(&[(15, 160)]), (2, 250));
     assert_eq!(taken(&[(1, 160)]), (-2, 250));

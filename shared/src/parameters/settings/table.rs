@@ -6,7 +6,6 @@ use crate::action_map::{ActionCode, Recall};
 use crate::config::{AtGoal, Initialization, LearnFrom, PlannerKind, SampleOrder, Subgoal};
 use crate::fixed::Weight;
 use crate::parameters::Parameter;
-use crate::shield::ARCS_PER_SENSOR;
 use crate::som::{Edges, Neighborhood};
 use crate::units::Bearing;
 
@@ -340,20 +339,6 @@ impl<const SENSORS: usize> Setting<SENSORS> {
                     shield.half_lobe = Bearing::from_turns(value.short())
                 })
             },
-        ),
-        Self::new(
-            "shield.arcs",
-            "arcs the shield keeps per sonar: 1..4",
-            number(NumberFormat::Count, 1, ARCS_PER_SENSOR as i32),
-            |config| of_shield(config, |shield| shield.places.into()),
-            |config, value| put_shield(config, |shield| shield.places = value.byte()),
-        ),
-        Self::new(
-            "shield.spacing",
-            "echoes heard less than this apart come through one cone, meters",
-            LENGTH,
-            |config| of_shield(config, |shield| shield.spacing_mm.into()),
-            |config, value| put_shield(config, |shield| shield.spacing_mm = value.short()),
         ),
         Self::new(
             "shield.min-range",

@@ -31,8 +31,8 @@ fn a_detour_is_tried_where_less_than_half_of_the_way_is_free() {
         let (way, allowed) = shield.detour(&config, Mask::ALL, mm(250, 0), Millis::from_ms(6), 0);
         (way, allowed.distance_mm)
     };
-    // At 45° 230 mm are free, which would count for more.
-    assert_eq!(way(287), (mm(250, 0), 157));
+    // At 45° 225 mm are free, which would count for more.
+    assert_eq!(way(287), (mm(250, 0), 149));
     assert_eq!(way(191), (mm(0, 250), 250));
 }
 
@@ -42,9 +42,9 @@ fn a_motion_is_shortened_from_four_millimeters_on() {
     let config = Config::recommended();
     let shield = heard(&config, &[(0, 300)]);
     let shorten = |wanted_mm| {
-        let shorter = shield.shorten(&config, Mask::ALL, mm(wanted_mm, 0), Millis::from_ms(6), 0);
+        let shorter = shield.shorten(&config, mm(wanted_mm, 0));
         shorter.map(|allowed| allowed.distance_mm)
     };
-    assert_eq!(shorten(174), None);
-    assert_eq!(shorten(175), Some(171));
+    assert_eq!(shorten(165), None);
+    assert_eq!(shorten(166), Some(162));
 }

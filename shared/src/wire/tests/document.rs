@@ -6,7 +6,7 @@ use crate::fixed::{Gain, Mask, ONE_BITS};
 use crate::node::MOTION_TTL_MS;
 use crate::parameters::{Parameter, Unit};
 use crate::scan::Echo;
-use crate::shield::{ARCS_PER_SENSOR, Shield, ShieldConfig};
+use crate::shield::{Shield, ShieldConfig};
 use crate::som::{Decay, Schedule};
 use crate::units::{Bearing, Displacement, Millis, Range};
 use crate::wire::PROTOCOL;
@@ -357,7 +357,6 @@ fn ranges_end_where_the_program_says() {
         ("RobotSpec.face_radius_mm", 0, i16::MAX.into()),
         ("Direction.x_q14", -cosine, cosine),
         ("Direction.y_q14", -cosine, cosine),
-        ("ShieldConfig.places", 1, ARCS_PER_SENSOR as i128),
         ("DeviceMessage.Decision.situation", 0, one),
         ("Planning.tolerance", 0, one),
         ("Goal.cap", 0, one),
@@ -372,7 +371,6 @@ fn ranges_end_where_the_program_says() {
         ("RobotSpec.braking_mm_s2", 1, u16::MAX.into()),
         ("Exploration.draws", 1, u8::MAX.into()),
         ("Learning.slice", 1, 16),
-        ("ShieldConfig.spacing_mm", 1, u16::MAX.into()),
     ];
     for (path, least, greatest) in ends {
         let (_, from, to) = documented(path);

@@ -68,13 +68,13 @@ fn print_maps(watch: &Stopwatch, episode: &CountedEpisode<'_>) {
 
 fn print_episode(episode: &CountedEpisode<'_>) {
     let (counts, events) = (&episode.counts, &episode.robot.counts);
-    row("echo at rest", events.echo, 7_850);
-    row("echo on the way: the guard", events.on_the_way, 8_850);
-    row("report of the base", events.odometry, 1_250);
+    row("echo at rest", events.echo, 10_450);
+    row("echo on the way: the guard", events.on_the_way, 19_450);
+    row("report of the base", events.odometry, 1_680);
     row(
         "random move (last echo of the ring)",
         counts.random_move,
-        19_950,
+        33_650,
     );
     row(
         "**decision** (last echo of the ring): avoid",
@@ -107,7 +107,7 @@ fn print_link(watch: &Stopwatch, episode: &CountedEpisode<'_>) {
     row(
         "decision by a frame: scan in, three frames out",
         counts.decision,
-        114_700,
+        99_600,
     );
 }
 
@@ -120,7 +120,7 @@ fn print_body(watch: &Stopwatch, counts: &body::BodyCounts) {
     row(
         "body: of an echo, keeping 200 to 256 points",
         points::echoes(watch),
-        23_500,
+        21_300,
     );
     row("body: echo on the way", counts.events.on_the_way, 108_000);
     row(

@@ -78,7 +78,7 @@ fn shields() {
     shield.hear(&config(), any(1), echo());
     shield.moved(displacement(), bearing());
     sink(shield.allow(&config(), mask(), displacement(), now()));
-    sink(shield.allow_by(&config(), mask(), displacement(), now(), mask()));
+    sink(shield.shorten(&config(), displacement()));
     shield.forget();
     sink(shield);
 }

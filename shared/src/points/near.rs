@@ -1,0 +1,82 @@
+//! What is near: echoes that are to end motions in time, wherever in a sensor's lobe their cause
+//! stands. No more points are kept than matter to the next steps.
+
+use super::arc::{Arc, FreeBeam};
+use super::{Beam, Point, PointMemory};
+use crate::disc::direction_of;
+use crate::units::{Bearing, Displacement};
+
+/// How wide a sensor hears, for echoes that are to end motions in time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Lobe {
+    /// What returns an echo stands in a cone with half this opening.
+    pub(crate) half: Bearing,
+    /// A beam shows a cone with half this opening free.
+    pub(crate) half_free: Bearing,
+    /// What is farther away is not kept, millimeters.
+    pub(crate) reach_mm: u32,
+}
+
+/// Points nearer to each other than this may be alike, millimeters. A beam leaves as much before
+/// its echo, so it does not free what it confirms.
+const LIKE_MM: u32 = 60;
+
+impl<const POINTS: usize> PointMemory<POINTS> {
+    /// Takes an echo that is to end motions in time. Unlike [`hear`](PointMemory::hear) it keeps
+    /// what is near alone, for as long as it can: an echo like a kept one confirms it, and where
+    /// there is no room the farthest goes. One echo alone frees nothing: it may have gone astray.
+    pub(crate) fn hear_near(&mut self, lobe: &Lobe, beam: &Beam) {
+        let ray = self.ray(beam);
+        // The places stand on the chord of the lobe's arc, which is nowhere farther than the arc.
+        let (chord_mm, edge_mm) = lobe.half.direction().times(ray.range_mm);
+        let at = ray.at(chord_mm);
+        let free = FreeBeam {
+            may_be_astray: true,
+            // Short of the echo by four deviations of a near range, and its rounding to inches.
+            ..ray.free(lobe.half_free.direction(), chord_mm - chord_mm / 32 - 60)
+        };
+        self.carve(&free);
+        if !at.is_shorter_than(lobe.reach_mm) {
+            return;
+        }
+        let point = Point::new(at, self.traveled_mm, Arc::new(ray.axis, edge_mm / 2));
+        let mut others = self.points.iter_mut();
+        if let Some(other) = others.find(|other| other.tells_as_much_as(&point)) {
+            other.arc.confirm();
+            return;
+        }
+        if let Err(point) = self.points.push(point) {
+            let points = self.points.iter_mut();
+            let farthest = points.max_by_key(|point| point.at.squared_mm2());
+            if let Some(farthest) = farthest.filter(|farthest| point.is_nearer(farthest)) {
+                *farthest = point;
+            }
+        }
+    }
+
+    /// As [`free_mm`](Self::free_mm), before it touches any place where what returned an echo may
+    /// stand.
+    pub(crate) fn free_of_arcs_mm(&self, way: Displacement, radius_mm: u16) -> u16 {
+        let length = way.length_mm();
+        let direction = direction_of(way, length.into());
+        let free = self.points.iter().fold(i32::from(length), |free, point| {
+            point
+                .arc
+                .until_contact(point.at, direction, radius_mm.into(), free)
+        });
+        free as u16
+    }
+}
+
+impl Point {
+    /// Whether it is no farther than another and its places are within some centimeters of those.
+    fn tells_as_much_as(&self, other: &Self) -> bool {
+        self.at.minus(other.at).is_shorter_than(LIKE_MM)
+            && self.arc.is_like(&other.arc)
+            && !other.is_nearer(self)
+    }
+
+    fn is_nearer(&self, other: &Self) -> bool {
+        self.at.squared_mm2() < other.at.squared_mm2()
+    }
+}
