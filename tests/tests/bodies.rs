@@ -76,6 +76,17 @@ fn sensors_anywhere_on_the_body_are_enough_to_touch_nothing() {
     }
 }
 
+/// The ring behind points keeps its bearing, whatever the turret does.
+#[test]
+fn the_nomad_drives_with_a_turret_that_follows_as_with_one_that_is_held() {
+    for turret in [TurretMode::Held, TurretMode::Follow] {
+        let nomad = robot("nomad200", false).with_turret(turret);
+        let driven = drive(&nomad.expect("it has a turret"), SonarModel::Ideal);
+        assert_eq!(driven.contacts, 0, "{turret:?}");
+        assert!(driven.distance_m > 1_700.0, "{turret:?}: {driven:?}");
+    }
+}
+
 #[test]
 fn with_noise_and_a_guard_they_touch_nothing_either() {
     for name in ["p3dx", "thymio2"] {

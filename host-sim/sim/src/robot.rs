@@ -36,6 +36,8 @@ pub struct AnyRobot {
     told_radius: f64,
     /// Its memory of places leads it to goals.
     is_led: bool,
+    /// The turret of a synchro drive turns with the wheels.
+    turret_follows: bool,
 }
 
 /// Distance that the guard keeps, as a share of the body's radius: 90 mm for the Nomad.
@@ -80,6 +82,7 @@ impl AnyRobot {
             actuators: Origin::Known,
             told_radius: 1.0,
             is_led: true,
+            turret_follows: false,
         };
         Ok(robot.with_guard(has_guard))
     }
@@ -110,6 +113,21 @@ impl AnyRobot {
     #[must_use]
     pub fn is_led(&self) -> bool {
         self.is_led
+    }
+
+    /// The same robot with a turret that keeps its bearing or turns with the wheels.
+    ///
+    /// # Errors
+    /// A drive without a turret: the sensors turn with the body.
+    pub fn with_turret(mut self, turret: TurretMode) -> Result<Self, BadInput> {
+        if self.model.drive != DriveKind::Synchro {
+            return Err(BadInput::new(format!(
+                "--turret: the robot \"{}\" has no turret",
+                self.model.name
+            )));
+        }
+        self.turret_follows = turret == TurretMode::Follow;
+        Ok(self)
     }
 
     /// The same robot with the wires of its sensors permuted; the controller is not told.
@@ -257,7 +275,7 @@ impl AnyRobot {
     #[must_use]
     pub fn turns(&self) -> bool {
         match self.model.drive {
-            DriveKind::Synchro => false,
+            DriveKind::Synchro => self.turret_follows,
             DriveKind::Differential => true,
             DriveKind::Holonomic => self.has_few_sensors(),
         }
@@ -376,6 +394,19 @@ mod tests {
 
     fn robot(name: &str, ranges: Ranges) -> AnyRobot {
         AnyRobot::new(RobotModel::builtin(name).unwrap(), ranges, true).unwrap()
+    }
+
+    #[test]
+    fn a_turret_is_held_or_follows_the_wheels_of_a_synchro_drive() {
+        let nomad = robot("nomad200", Ranges::Own);
+        assert_eq!(nomad.turret(), TurretMode::Held);
+        let following = nomad.with_turret(TurretMode::Follow).unwrap();
+        assert_eq!(following.turret(), TurretMode::Follow);
+        let held = following.with_turret(TurretMode::Held).unwrap();
+        assert_eq!(held.turret(), TurretMode::Held);
+        let p3dx = robot("p3dx", Ranges::Own).with_turret(TurretMode::Held);
+        let why = p3dx.unwrap_err().to_string();
+        assert_eq!(why, "--turret: the robot \"p3dx\" has no turret");
     }
 
     #[test]

@@ -63,11 +63,6 @@ fn radius_share(text: &str) -> Result<f64, String> {
 }
 
 impl RobotArgs {
-    /// Its name or file.
-    pub(super) fn name(&self) -> &str {
-        self.named.name()
-    }
-
     /// The robot behind points, the Nomad as well, with a guard or without, for so many random
     /// moves.
     ///
@@ -93,11 +88,6 @@ impl RobotArgs {
 }
 
 impl NamedRobotArgs {
-    /// Its name or file.
-    pub(super) fn name(&self) -> &str {
-        &self.robot
-    }
-
     /// These flags again, each after a space; none for the Nomad as it is.
     pub(super) fn flags(&self) -> String {
         let name = &self.robot;

@@ -112,6 +112,15 @@ pub(super) enum TurretChoice {
     Follow,
 }
 
+impl From<TurretChoice> for TurretMode {
+    fn from(choice: TurretChoice) -> Self {
+        match choice {
+            TurretChoice::Held => Self::Held,
+            TurretChoice::Follow => Self::Follow,
+        }
+    }
+}
+
 /// Presets as named on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Preset {

@@ -3,7 +3,6 @@
 use super::robot::RobotArgs;
 use super::run::{Preset, SonarChoice, Switch, TurretChoice};
 use amp::config::Config;
-use arena::robot::TurretMode;
 use arena::sonar::TransducerFault;
 use clap::Args;
 use files::error::BadInput;
@@ -68,8 +67,8 @@ pub struct SetupArgs {
     places: Option<Switch>,
     #[command(flatten)]
     robot: RobotArgs,
-    /// Whether the ring keeps its bearing in the world or turns with the heading
-    /// [default: held; follow for the preset touzet]
+    /// Whether the ring keeps its bearing in the world or turns with the heading [default: held;
+    /// follow for the preset touzet]; of a robot behind points only where its drive is synchro
     #[arg(long, value_name = "MODE", value_enum)]
     turret: Option<TurretChoice>,
 }
@@ -146,13 +145,10 @@ impl SetupArgs {
             self.robot.find(has_guard, moves)?
         };
         let robot = robot.map(|robot| robot.led(self.places != Some(Switch::Off)));
-        if let (Some(_), Some(_)) = (&robot, self.turret) {
-            return Err(BadInput::new(format!(
-                "--turret: the robot \"{}\" behind points has no turret",
-                self.robot.name()
-            )));
+        match (robot, self.turret) {
+            (Some(robot), Some(turret)) => robot.with_turret(turret.into()).map(Some),
+            (robot, _) => Ok(robot),
         }
-        Ok(robot)
     }
 
     fn behavior(&self) -> Result<Behavior, BadInput> {
@@ -184,8 +180,7 @@ impl SetupArgs {
             sonar: self.sonar.into(),
             turret: match self.turret {
                 None => task.preset.turret(),
-                Some(TurretChoice::Held) => TurretMode::Held,
-                Some(TurretChoice::Follow) => TurretMode::Follow,
+                Some(turret) => turret.into(),
             },
             robot,
             set_down: None,
