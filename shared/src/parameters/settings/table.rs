@@ -357,7 +357,7 @@ impl<const SENSORS: usize> Setting<SENSORS> {
         ),
         Self::new(
             "shield.forget",
-            "a sonar silent for longer begins anew when heard again, seconds",
+            "when a sonar was silent for longer, seconds, all that was heard before is forgotten",
             TIME,
             |config| of_shield(config, |shield| shield.forget_ms),
             |config, value| put_shield(config, |shield| shield.forget_ms = value.long()),
