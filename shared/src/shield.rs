@@ -8,7 +8,7 @@
 //! left, at the given deceleration.
 //!
 //! Time alone frees nothing, and neither does silence. The first echo from beyond an arc does not
-//! either: it may have gone astray. Later ones free the places that their cone holds together with
+//! either: it may be a stray one. Later ones free the places that their cone holds together with
 //! half the way to the next: an edge may stand between two places.
 //!
 //! Points keep the bearing that the ring had at the start. Only new echoes and ways are rotated, so
@@ -117,7 +117,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         let beam = Beam {
             mount,
             axis: mount.bearing(),
-            range: limits.as_near_as_may_be(range),
+            range: limits.shortest_possible(range),
             is_echo: true,
         };
         self.points.hear_near(&limits.lobe(config), &beam);
@@ -152,14 +152,9 @@ impl<const SENSORS: usize> Shield<SENSORS> {
                 speed_mm_s: config.robot.speed_mm_s,
             };
         };
-        let is_closed = wanted != Displacement::ZERO
-            && self.is_closed(
-                config,
-                limits,
-                enabled,
-                direction_of(wanted, wanted.length_mm().into()),
-                now,
-            );
+        let way = direction_of(wanted, wanted.length_mm().into());
+        let is_closed =
+            wanted != Displacement::ZERO && self.is_closed(config, limits, enabled, way, now);
         if is_closed {
             limits.allowed(config, wanted, 0)
         } else {

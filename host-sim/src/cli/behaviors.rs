@@ -154,7 +154,7 @@ fn trials(
 ) -> Result<(BehaviorTrial, BehaviorTrial), BadInput> {
     let mut config = args.preset.config();
     sim::settings::apply(&mut config, &args.sets)?;
-    let robot = args.robot.find(true, EXPLORE_MOVES)?;
+    let robot = args.robot.find(true, EXPLORE_MOVES, None)?;
     if let Some(robot) = &robot {
         config = robot.config(config);
     }
@@ -171,7 +171,7 @@ fn trials(
     };
     let mut bare = shielded.clone();
     bare.config.shield = None;
-    bare.robot = args.robot.find(false, EXPLORE_MOVES)?;
+    bare.robot = args.robot.find(false, EXPLORE_MOVES, None)?;
     Ok((bare, shielded))
 }
 

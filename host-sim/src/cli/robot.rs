@@ -1,6 +1,7 @@
 //! The robot and what its controller is told of it, as named on the command line.
 
 use super::setup::parsed;
+use arena::robot::TurretMode;
 use arena::robot_model::RobotModel;
 use clap::Args;
 use files::error::BadInput;
@@ -67,23 +68,46 @@ impl RobotArgs {
     /// moves.
     ///
     /// # Errors
-    /// An unknown robot or a bad file; what cannot be learned; too few random moves.
-    pub(super) fn behind_points(&self, has_guard: bool, moves: u16) -> Result<AnyRobot, BadInput> {
-        self.told.apply(self.named.behind_points(has_guard)?, moves)
+    /// An unknown robot or a bad file; a turret for a robot that has none; what cannot be learned;
+    /// too few random moves.
+    pub(super) fn behind_points(
+        &self,
+        has_guard: bool,
+        moves: u16,
+        turret: Option<TurretMode>,
+    ) -> Result<AnyRobot, BadInput> {
+        let robot = self.named.behind_points(has_guard)?;
+        self.told.apply(with_turret(robot, turret)?, moves)
     }
 
     /// The robot, with a guard or without, for so many random moves; `None` = the Nomad as it is.
     ///
     /// # Errors
-    /// An unknown robot or a bad file; what only other robots have; too few random moves.
-    pub(super) fn find(&self, has_guard: bool, moves: u16) -> Result<Option<AnyRobot>, BadInput> {
+    /// As [`behind_points`](Self::behind_points), and what only other robots have.
+    pub(super) fn find(
+        &self,
+        has_guard: bool,
+        moves: u16,
+        turret: Option<TurretMode>,
+    ) -> Result<Option<AnyRobot>, BadInput> {
         match (self.named.find(has_guard)?, self.told.first_used()) {
-            (Some(robot), _) => self.told.apply(robot, moves).map(Some),
+            (Some(robot), _) => {
+                let robot = with_turret(robot, turret)?;
+                self.told.apply(robot, moves).map(Some)
+            }
             (None, None) => Ok(None),
             (None, Some(flag)) => Err(BadInput::new(format!(
                 "--{flag}: only with another robot than {NOMAD}"
             ))),
         }
+    }
+}
+
+/// The robot, its turret as asked for.
+fn with_turret(robot: AnyRobot, turret: Option<TurretMode>) -> Result<AnyRobot, BadInput> {
+    match turret {
+        Some(turret) => robot.with_turret(turret),
+        None => Ok(robot),
     }
 }
 

@@ -139,16 +139,13 @@ impl SetupArgs {
         let has_guard = self.task.shield == Switch::On;
         let needs_points = self.places == Some(Switch::On) || self.task.behavior.needs_places();
         let moves = self.task.explore;
+        let turret = self.turret.map(Into::into);
         let robot = if needs_points {
-            Some(self.robot.behind_points(has_guard, moves)?)
+            Some(self.robot.behind_points(has_guard, moves, turret)?)
         } else {
-            self.robot.find(has_guard, moves)?
+            self.robot.find(has_guard, moves, turret)?
         };
-        let robot = robot.map(|robot| robot.led(self.places != Some(Switch::Off)));
-        match (robot, self.turret) {
-            (Some(robot), Some(turret)) => robot.with_turret(turret.into()).map(Some),
-            (robot, _) => Ok(robot),
-        }
+        Ok(robot.map(|robot| robot.led(self.places != Some(Switch::Off))))
     }
 
     fn behavior(&self) -> Result<Behavior, BadInput> {

@@ -12,15 +12,15 @@ const PLACES: [i8; 5] = [-2, -1, 0, 1, 2];
 const ALL_FREE: u8 = (1 << PLACES.len()) - 1;
 /// Nothing returned an echo there.
 const NO_ECHO: u8 = 1 << 7;
-/// A beam that may have gone astray has shown a part of it free.
-const DOUBTED: u8 = 1 << 6;
+/// A first beam has shown a part of it free, and may have been wrong.
+const CONTRADICTED: u8 = 1 << 6;
 
 /// Five places across a beam's cone, along a line at right angles to its axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Arc {
     /// From one place to the next on its left, in units.
     step: (i8, i8),
-    /// Places that beams have shown free, a bit for each, and [`DOUBTED`] and [`NO_ECHO`].
+    /// Places that beams have shown free, a bit for each, and [`CONTRADICTED`] and [`NO_ECHO`].
     marks: u8,
 }
 
@@ -50,7 +50,7 @@ impl Arc {
     }
 
     /// Whether its places stand about its axis as those of another arc do, to within 64 mm.
-    pub(super) fn is_like(&self, other: &Self) -> bool {
+    pub(super) fn is_similar(&self, other: &Self) -> bool {
         let apart = |a: i8, b: i8| (i32::from(a) - i32::from(b)).abs();
         apart(self.step.0, other.step.0) + apart(self.step.1, other.step.1) <= 8
     }
@@ -76,6 +76,7 @@ impl Arc {
 
     /// Takes the places away that a beam has shown free; `axis` is where the arc's axis is, from
     /// the robot. Returns whether any place is left.
+    // Inlined, and the rare part not: a body's echo is over its budget of instructions otherwise.
     #[inline]
     pub(super) fn carve(&mut self, axis: Displacement, beam: &FreeBeam) -> bool {
         let offset = axis.minus(beam.face);
@@ -96,7 +97,8 @@ impl Arc {
     ) -> i32 {
         let (along, aside) = way.components(axis.dx_mm.into(), axis.dy_mm.into());
         let reach = self.reach_mm();
-        // A quick test: most arcs are behind, beside the way or beyond.
+        // A quick test, or decisions are over their budget: most arcs are behind, beside the way or
+        // beyond.
         if along + reach <= 0
             || aside.abs() - reach >= radius_mm
             || along - reach - limit >= radius_mm
@@ -127,15 +129,11 @@ impl Arc {
         along - reach < beam.length_mm && beam.is_in_cone(nearest)
     }
 
-    /// Takes the places away one by one. Not inlined: few arcs need it, and the others are faster.
+    /// Takes the places away one by one.
     #[inline(never)]
     pub(super) fn carve_places(&mut self, (along, aside): (i32, i32), beam: &FreeBeam) -> bool {
         let (x, y) = (i32::from(self.step.0), i32::from(self.step.1));
         let (step_along, step_aside) = beam.axis.components(x * UNIT_MM, y * UNIT_MM);
-        // Most arcs stand where the beam's own echo came from: all across it, none before it.
-        if along - 2 * step_along.abs() >= beam.length_mm {
-            return true;
-        }
         let before = self.marks;
         for (bit, place) in PLACES.into_iter().enumerate() {
             let place = i32::from(place);
@@ -145,8 +143,8 @@ impl Arc {
                 self.marks |= 1 << bit;
             }
         }
-        if beam.may_be_astray && self.marks != before && before & DOUBTED == 0 {
-            self.marks = before | DOUBTED;
+        if beam.may_be_stray && self.marks != before && before & CONTRADICTED == 0 {
+            self.marks = before | CONTRADICTED;
         }
         self.marks & ALL_FREE != ALL_FREE
     }
@@ -173,7 +171,7 @@ impl Ray {
             axis: self.axis,
             half_cone,
             length_mm,
-            may_be_astray: false,
+            may_be_stray: false,
         }
     }
 }
@@ -186,8 +184,8 @@ pub(super) struct FreeBeam {
     /// Half the opening of the cone.
     pub(super) half_cone: Direction,
     pub(super) length_mm: i32,
-    /// Its echo may have gone astray: of an arc it is the second such beam that counts.
-    pub(super) may_be_astray: bool,
+    /// Its echo may be a stray one: of each arc the first such beam frees nothing.
+    pub(super) may_be_stray: bool,
 }
 
 impl FreeBeam {

@@ -1,5 +1,5 @@
-//! What is near: echoes that are to end motions in time, wherever in a sensor's lobe their cause
-//! stands. No more points are kept than matter to the next steps.
+//! Points for the shield: a motion ends before any place where an obstacle may stand in a sensor's
+//! lobe. Only near points are kept, as many as matter to the next steps.
 
 use super::arc::{Arc, FreeBeam};
 use super::{Beam, Point, PointMemory};
@@ -17,21 +17,21 @@ pub(crate) struct Lobe {
     pub(crate) reach_mm: u32,
 }
 
-/// Points nearer to each other than this may be alike, millimeters. A beam leaves as much before
-/// its echo, so it does not free what it confirms.
-const LIKE_MM: u32 = 60;
+/// Similar points are less than this apart, millimeters. A beam frees nothing within as much of its
+/// echo, so it does not free what it confirms.
+const SIMILAR_MM: u32 = 60;
 
 impl<const POINTS: usize> PointMemory<POINTS> {
     /// Takes an echo that is to end motions in time. Unlike [`hear`](PointMemory::hear) it keeps
-    /// what is near alone, for as long as it can: an echo like a kept one confirms it, and where
-    /// there is no room the farthest goes. One echo alone frees nothing: it may have gone astray.
+    /// what is near alone, for as long as it can: an echo similar to a kept one confirms it, and where
+    /// there is no room the farthest goes. One echo alone frees nothing: it may be a stray one.
     pub(crate) fn hear_near(&mut self, lobe: &Lobe, beam: &Beam) {
         let ray = self.ray(beam);
         // The places stand on the chord of the lobe's arc, which is nowhere farther than the arc.
         let (chord_mm, edge_mm) = lobe.half.direction().times(ray.range_mm);
         let at = ray.at(chord_mm);
         let free = FreeBeam {
-            may_be_astray: true,
+            may_be_stray: true,
             // Short of the echo by four deviations of a near range, and its rounding to inches.
             ..ray.free(lobe.half_free.direction(), chord_mm - chord_mm / 32 - 60)
         };
@@ -41,7 +41,7 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         }
         let point = Point::new(at, self.traveled_mm, Arc::new(ray.axis, edge_mm / 2));
         let mut others = self.points.iter_mut();
-        if let Some(other) = others.find(|other| other.tells_as_much_as(&point)) {
+        if let Some(other) = others.find(|other| other.covers(&point)) {
             other.arc.confirm();
             return;
         }
@@ -70,9 +70,9 @@ impl<const POINTS: usize> PointMemory<POINTS> {
 
 impl Point {
     /// Whether it is no farther than another and its places are within some centimeters of those.
-    fn tells_as_much_as(&self, other: &Self) -> bool {
-        self.at.minus(other.at).is_shorter_than(LIKE_MM)
-            && self.arc.is_like(&other.arc)
+    fn covers(&self, other: &Self) -> bool {
+        self.at.minus(other.at).is_shorter_than(SIMILAR_MM)
+            && self.arc.is_similar(&other.arc)
             && !other.is_nearer(self)
     }
 

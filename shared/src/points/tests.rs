@@ -153,7 +153,7 @@ fn a_beam_shows_no_place_free_that_it_does_not_reach() {
             axis: axis.direction(),
             half_cone: half_cone.direction(),
             length_mm: any(5_000) as i32,
-            may_be_astray: false,
+            may_be_stray: false,
         };
         // The plain way: each place by itself.
         let mut by_place = arc;

@@ -30,7 +30,7 @@ pub struct ShieldConfig {
 impl ShieldConfig {
     /// A reading as short as the shortest range may be anything nearer. It counts as halfway, or as
     /// the margin where that is less: so nothing fits between the face and the margin around it.
-    pub(super) fn as_near_as_may_be(&self, range: Range) -> Range {
+    pub(super) fn shortest_possible(&self, range: Range) -> Range {
         if range.as_mm() > self.least_range_mm {
             return range;
         }

@@ -68,13 +68,13 @@ fn print_maps(watch: &Stopwatch, episode: &CountedEpisode<'_>) {
 
 fn print_episode(episode: &CountedEpisode<'_>) {
     let (counts, events) = (&episode.counts, &episode.robot.counts);
-    row("echo at rest", events.echo, 10_450);
-    row("echo on the way: the guard", events.on_the_way, 19_450);
+    row("echo at rest", events.echo, 11_280);
+    row("echo on the way: the guard", events.on_the_way, 20_700);
     row("report of the base", events.odometry, 1_680);
     row(
         "random move (last echo of the ring)",
         counts.random_move,
-        33_650,
+        34_200,
     );
     row(
         "**decision** (last echo of the ring): avoid",
@@ -120,7 +120,7 @@ fn print_body(watch: &Stopwatch, counts: &body::BodyCounts) {
     row(
         "body: of an echo, keeping 200 to 256 points",
         points::echoes(watch),
-        21_300,
+        21_800,
     );
     row("body: echo on the way", counts.events.on_the_way, 108_000);
     row(
