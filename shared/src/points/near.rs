@@ -23,8 +23,9 @@ const SIMILAR_MM: u32 = 60;
 
 impl<const POINTS: usize> PointMemory<POINTS> {
     /// Takes an echo that is to end motions in time. Unlike [`hear`](PointMemory::hear) it keeps
-    /// what is near alone, for as long as it can: an echo similar to a kept one confirms it, and where
-    /// there is no room the farthest goes. One echo alone frees nothing: it may be a stray one.
+    /// only what is near, for as long as it can: an echo similar to a kept one confirms it, and
+    /// where there is no room the farthest goes. One echo alone frees nothing: it may be a stray
+    /// one.
     pub(crate) fn hear_near(&mut self, lobe: &Lobe, beam: &Beam) {
         let ray = self.ray(beam);
         // The places stand on the chord of the lobe's arc, which is nowhere farther than the arc.
