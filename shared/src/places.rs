@@ -15,6 +15,7 @@ use crate::points::PointMemory;
 use crate::units::Displacement;
 
 mod graph;
+mod locate;
 mod recall;
 mod recent;
 mod record;
@@ -202,7 +203,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             // What they were to lead to is looked for anew.
             (self.frontier, self.target) = (None, None);
         }
-        let Some(index) = self.graph.place_at(limits, self.here) else {
+        let Some(index) = self.graph.place_at(limits, self.here, &view) else {
             return;
         };
         self.graph

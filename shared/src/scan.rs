@@ -138,6 +138,11 @@ impl Encoding {
         u16::try_from(change).unwrap_or(u16::MAX)
     }
 
+    /// By how much a thing is nearer whose value is greater by this, in units of 2⁻¹³; millimeters.
+    pub(crate) fn nearer_mm(self, change: i32) -> i32 {
+        change.wrapping_mul(self.width().cast_signed()) / i32::from(ONE_BITS)
+    }
+
     /// From the far to the near limit, at least 1.
     fn width(self) -> u32 {
         u32::from(self.far_mm.saturating_sub(self.near_mm)).max(1)

@@ -371,6 +371,22 @@ mod tests {
         assert!(steps.iter().sum::<u32>() < 100, "{steps:?}");
     }
 
+    /// By odometry alone it stops beside its home in all of these rooms.
+    #[test]
+    fn a_robot_whose_wheels_slip_perceives_where_it_is() {
+        for seed in [208, 211, 234, 240] {
+            let model = RobotModel::builtin("nomad200").expect("built in");
+            let robot = AnyRobot::new(model, Ranges::Own, true).expect("it fits");
+            let setup = Setup {
+                behavior: Behavior::Home { tour: 500 },
+                seed: 1,
+                ..setup(robot, SonarModel::Nomad, 1_000, seed)
+            };
+            let episode = run(&World::random(seed), &setup, |_, _, _| {}).expect("it drives");
+            assert_eq!(episode.report.success, 1.0, "{seed}");
+        }
+    }
+
     /// By the goal alone it finds none of these four.
     #[test]
     fn a_robot_with_noisy_sonars_finds_its_nest_and_stays_there() {

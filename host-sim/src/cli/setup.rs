@@ -15,7 +15,7 @@ use sim::settings;
 /// Flags for a robot's behavior and its controller's options.
 #[derive(Debug, Clone, Args)]
 pub struct TaskArgs {
-    /// What to do after exploring: avoid, avoid-right, wall-left, wall-right, nest, follow,
+    /// What to do after exploring: avoid, avoid-right, wall-left, wall-right, nest, home, follow,
     /// seek:FILE (a captured situation), or several of them one after the other: a,b,c (see
     /// `host-sim behaviors`)
     #[arg(long, value_name = "NAME", default_value = "avoid", value_parser = parsed::<Behavior>)]

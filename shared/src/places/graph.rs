@@ -150,14 +150,19 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
     }
 
     /// The place at a position: a new one where no other is near and there is room.
-    pub(super) fn place_at(&mut self, limits: &PlaceLimits, position: Displacement) -> Option<u16> {
+    pub(super) fn place_at(
+        &mut self,
+        limits: &PlaceLimits,
+        position: Displacement,
+        view: &SituationBytes<SECTORS>,
+    ) -> Option<u16> {
         let nearest = self.nearest(position);
         let spacing_mm = self.spacing_mm(limits);
         let is_known = nearest.is_some_and(|(_, distance_mm)| distance_mm < spacing_mm);
         if is_known {
             return nearest.map(|(index, _)| index);
         }
-        if self.records.push(Record::at(position)).is_err() {
+        if self.records.push(Record::new(position, view)).is_err() {
             self.make_room(limits);
             return nearest.map(|(index, _)| index);
         }
@@ -195,7 +200,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
         };
         let offset = record.at.minus(here);
         if offset.is_shorter_than(AT_PLACE_MM) {
-            record.view = *view;
+            record.complete(view);
             record.free = FreeWays::around(points, offset, limits.radius_mm);
             self.find_frontiers(limits, index);
         }

@@ -28,23 +28,33 @@ pub(super) struct Record<const SECTORS: usize> {
     /// Ways that did not go.
     pub(super) tried: u32,
     links: [u16; LINKS],
-    /// What was perceived here.
+    /// What was perceived here at first, and of sectors that were not, later.
     pub(super) view: SituationBytes<SECTORS>,
     /// What is sought was sought here in vain.
     pub(super) is_searched: bool,
 }
 
 impl<const SECTORS: usize> Record<SECTORS> {
-    /// A place of which nothing else is known.
-    pub(super) const fn at(at: Displacement) -> Self {
+    /// A place where this is perceived, and of which nothing else is known.
+    pub(super) const fn new(at: Displacement, view: &SituationBytes<SECTORS>) -> Self {
         Self {
             at,
             free: FreeWays::NONE,
             open: 0,
             tried: 0,
             links: [NOWHERE; LINKS],
-            view: [memory::UNKNOWN; SECTORS],
+            view: *view,
             is_searched: false,
+        }
+    }
+
+    /// The robot is here again: adds what was not perceived yet. The rest stays as it was: by it
+    /// the robot finds where it is.
+    pub(super) fn complete(&mut self, view: &SituationBytes<SECTORS>) {
+        for (kept, now) in self.view.iter_mut().zip(view) {
+            if *kept == memory::UNKNOWN {
+                *kept = *now;
+            }
         }
     }
 
@@ -180,7 +190,7 @@ mod tests {
         let frontiers = |open: u32| {
             let record = Record {
                 open,
-                ..Record::<16>::at(Displacement::ZERO)
+                ..Record::<16>::new(Displacement::ZERO, &[0; 16])
             };
             std::vec::Vec::from_iter(record.frontiers())
         };

@@ -1,6 +1,7 @@
 use super::*;
 use crate::memory;
 use crate::points::{Beam, PointLimits};
+use crate::scan::Encoding;
 use crate::units::{Bearing, Range};
 
 const LIMITS: PlaceLimits = PlaceLimits::NOMAD;
@@ -187,7 +188,7 @@ fn a_wide_spacing_leaves_open_ways() {
     };
     let mut graph = Graph::<16, 2>::NEW;
     for x_mm in [0, 600, 1_200, 1_800, 2_400, 3_000] {
-        graph.place_at(&limits, to(x_mm, 0));
+        graph.place_at(&limits, to(x_mm, 0), &[255; 16]);
         while graph.thin_out(&limits).is_some() {}
     }
     assert_eq!(graph.spacing_mm(&limits), 550);
@@ -305,4 +306,71 @@ fn where_a_situation_was_found_a_noisy_view_is_that_place() {
     let mut beside = [100; 16];
     (beside[3], beside[4]) = (250, 255);
     assert!(places.is_found(&goal, &beside));
+}
+
+/// That of [`Walker::view`].
+const ENCODING: Encoding = Encoding {
+    near_mm: 0,
+    far_mm: 4_500,
+};
+
+impl Walker<'_> {
+    /// Odometry tells that it went there, and it did not.
+    fn slip(&mut self, way: Displacement) {
+        self.start.0 -= f64::from(way.dx_mm);
+        self.start.1 -= f64::from(way.dy_mm);
+        self.places.moved(way);
+    }
+
+    fn locate(&mut self, view: &[u8; 16]) -> Displacement {
+        let (x, y) = self.position();
+        self.places.locate(ENCODING, view);
+        // The walls stay where they are.
+        let moved = (self.position().0 - x, self.position().1 - y);
+        (self.start.0, self.start.1) = (self.start.0 - moved.0, self.start.1 - moved.1);
+        self.places.here()
+    }
+}
+
+#[test]
+fn at_a_known_place_it_perceives_that_odometry_was_wrong() {
+    for slip in [to(60, -40), to(-50, -50), to(0, 80)] {
+        let mut walker = Walker::<256>::new(&TWO_ROOMS, (-1_100.0, -300.0));
+        walker.look();
+        walker.slip(slip);
+        for _ in 0..20 {
+            walker.look();
+            let view = walker.view();
+            walker.locate(&view);
+        }
+        let here = walker.places.here();
+        assert!(here.is_shorter_than(25), "{slip:?}: {here:?}");
+    }
+}
+
+#[test]
+fn what_does_not_tell_that_it_is_elsewhere_leaves_it_where_it_is() {
+    let mut walker = Walker::<256>::new(&TWO_ROOMS, (-1_100.0, -300.0));
+    let view = walker.view();
+    assert_eq!(walker.locate(&view), Displacement::ZERO);
+    walker.look();
+    // 53 mm of noise, a little more of it on one side.
+    let is_farther = |sector| [4, 6, 8, 10, 12, 14].contains(&sector);
+    let noise = |sector| if is_farther(sector) { -3 } else { 3 };
+    let noisy = core::array::from_fn(|sector| view[sector].saturating_add_signed(noise(sector)));
+    assert_eq!(walker.locate(&noisy), Displacement::ZERO);
+    // Things all around have gone, or nothing has been seen of them.
+    assert_eq!(walker.locate(&[40; 16]), Displacement::ZERO);
+    assert_eq!(walker.locate(&[0; 16]), Displacement::ZERO);
+    assert_eq!(walker.locate(&[255; 16]), Displacement::ZERO);
+    // Far from all places.
+    walker.slip(to(300, 0));
+    assert_eq!(walker.locate(&view), to(300, 0));
+}
+
+#[test]
+fn a_place_keeps_what_it_showed_at_first_and_adds_what_it_did_not() {
+    let mut record = record::Record::<4>::new(Displacement::ZERO, &[10, 255, 30, 255]);
+    record.complete(&[99, 20, 255, 255]);
+    assert_eq!(record.view, [10, 20, 30, 255]);
 }

@@ -54,6 +54,7 @@ where
         let turret = &mut *self.turret;
         let situation = ring.map(|range| self.config.encoding.value(range));
         let view = memory::to_bytes(&situation, known);
+        turret.places.locate(self.config.encoding, &view);
         turret.places.perceive(&limits, &turret.memory, view);
         let goal = self.controller.goal().filter(|_| turret.is_led)?;
         if turret.aim == Aim::Situation {
