@@ -7,7 +7,8 @@
 //! record covers is a *frontier*: it counts as a way to the goal as well, so that what is not known
 //! yet is searched for (Yamauchi 1997, *A frontier-based approach for autonomous exploration*).
 //!
-//! Positions come from odometry, in the frame of the start: ±32 m.
+//! Positions come from odometry, corrected by what is perceived at known places, in the frame of
+//! the start: ±32 m.
 
 use crate::goal::Goal;
 use crate::memory::SituationBytes;

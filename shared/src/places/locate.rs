@@ -13,8 +13,8 @@ const NEAR_MM: u16 = 200;
 const SAME_MM: i32 = 100;
 /// Sectors that must show the same things.
 const AGREE: u32 = 6;
-/// Share of the error that is corrected at a time: views are noisy.
-const SHARE: i16 = 2;
+/// One part in so many of the error is corrected at a time: views are noisy.
+const PARTS: i16 = 2;
 
 impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     /// Corrects the position by what the robot, which stands, perceives in the frame of the start.
@@ -35,8 +35,8 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         }
         if let Some(Displacement { dx_mm, dy_mm }) = error.solution() {
             self.here = self.here.plus(Displacement {
-                dx_mm: dx_mm / SHARE,
-                dy_mm: dy_mm / SHARE,
+                dx_mm: dx_mm / PARTS,
+                dy_mm: dy_mm / PARTS,
             });
         }
     }
