@@ -371,7 +371,7 @@ mod tests {
         assert!(steps.iter().sum::<u32>() < 100, "{steps:?}");
     }
 
-    /// By odometry alone it stops beside its home in all of these rooms.
+    /// By odometry alone it comes home in none of these rooms.
     #[test]
     fn a_robot_whose_wheels_slip_perceives_where_it_is() {
         for seed in [208, 211, 234, 240] {

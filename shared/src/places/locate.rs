@@ -42,20 +42,16 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     }
 }
 
-/// By how much things are nearer now, millimeters, with the axes of their sectors: what is in sight
-/// both times.
+/// By how much things are nearer now, millimeters, with the axes of their sectors. What is unknown
+/// or out of range, whose value is 0, is left out.
 fn nearer_things<const SECTORS: usize>(
     encoding: Encoding,
     before: &SituationBytes<SECTORS>,
     now: &SituationBytes<SECTORS>,
 ) -> impl Iterator<Item = (Direction, i32)> + use<SECTORS> {
-    let (before, known_before) = memory::from_bytes(before);
-    let (now, known_now) = memory::from_bytes(now);
-    let known = known_before.and(known_now);
+    let [before, now] = [before, now].map(|view| memory::from_bytes(view).0);
     let pairs = before.into_iter().zip(now).enumerate();
-    let seen = pairs.filter(move |(sector, (before, now))| {
-        known.contains(*sector) && before.to_bits() > 0 && now.to_bits() > 0
-    });
+    let seen = pairs.filter(|(_, (before, now))| before.to_bits() > 0 && now.to_bits() > 0);
     seen.map(move |(sector, (before, now))| {
         let change = i32::from(now.to_bits()) - i32::from(before.to_bits());
         let axis = Bearing::of_place(sector, SECTORS).direction();
@@ -64,7 +60,7 @@ fn nearer_things<const SECTORS: usize>(
 }
 
 /// The vector whose components along some directions come nearest to those measured, by the sum of
-/// squares; each counts as much as that the vector is short.
+/// squares. Two more measurements say that it is zero along x and y, so that there always is one.
 struct LeastSquares {
     /// Normal equations, 2⁻¹⁴: of x with x, x with y, y with y.
     matrix: [i64; 3],

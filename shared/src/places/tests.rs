@@ -374,3 +374,41 @@ fn a_place_keeps_what_it_showed_at_first_and_adds_what_it_did_not() {
     record.complete(&[99, 20, 255, 255]);
     assert_eq!(record.view, [10, 20, 30, 255]);
 }
+
+#[test]
+fn only_what_shows_the_same_things_tells_where_it_is() {
+    let walls = [100; 16];
+    let only = |seen: u8, sectors: &[usize]| {
+        core::array::from_fn(|sector| if sectors.contains(&sector) { 100 } else { seen })
+    };
+    // As seen from farther ahead, in units of 18 mm.
+    let ahead = |view: [u8; 16], units: f64| {
+        core::array::from_fn(|sector| {
+            let nearer = units * libm::cos(sector as f64 * core::f64::consts::TAU / 16.0);
+            match view[sector] {
+                seen @ (0 | 255) => seen,
+                seen => seen.saturating_add_signed(libm::round(nearer) as i8),
+            }
+        })
+    };
+    // Where it thinks that it is after this view, if it thought that it had gone so far.
+    let located = |before: [u8; 16], thought_mm: i16, now: [u8; 16]| {
+        let mut places = Places::<16, 4>::new();
+        places.perceive(&LIMITS, &PointMemory::<64>::new(), before);
+        places.moved(to(thought_mm, 0));
+        places.locate(ENCODING, &now);
+        places.here().dx_mm
+    };
+    assert!((20..40).contains(&located(walls, 50, walls)));
+    // Five sectors are too few.
+    let five = only(255, &[14, 15, 0, 1, 2]);
+    assert_eq!(located(walls, 50, five), 50);
+    assert_eq!(located(five, 50, walls), 50);
+    // Nothing is in range behind it: that does not say that it stands still.
+    let front = only(0, &[12, 13, 14, 15, 0, 1, 2, 3, 4]);
+    assert!((10..40).contains(&located(front, 0, ahead(front, 3.0))));
+    // Other things, 0.3 m nearer and farther.
+    assert_eq!(located(walls, 0, ahead(walls, 17.0)), 0);
+    // It is not at that place.
+    assert_eq!(located(walls, 300, ahead(walls, 14.0)), 300);
+}
