@@ -29,6 +29,21 @@ pub trait Body<const SENSORS: usize> {
         event: Event<SENSORS>,
     ) -> Outputs<SENSORS>;
 
+    /// Whether it thinks before it decides: [`think`](Self::think) is to be called between events.
+    fn is_thinking(&self) -> bool {
+        false
+    }
+
+    /// Thinks on for a short while.
+    fn think<const NEURONS: usize, const SAMPLES: usize>(
+        &mut self,
+        _config: &Config<SENSORS>,
+        _state: &mut State<SENSORS, NEURONS, SAMPLES>,
+        _at: Millis,
+    ) -> Outputs<SENSORS> {
+        Outputs::NONE
+    }
+
     /// The body as it is known, in postcard's form; nothing if there is nothing to be told.
     #[cfg(feature = "store")]
     fn to_bytes<'a>(&self, buffer: &'a mut [u8; MAX_CONFIG]) -> &'a [u8];

@@ -3,7 +3,8 @@
 //! [`Node::frame`] takes a received frame, does what it asks for and sends the answers.
 //! [`Node::tick`] lets time pass: a slice of learning, the supervision of link and ring, motions
 //! renewed before they expire. Every accepted frame but a sign of life is answered with its results
-//! and then [`DeviceMessage::Done`](crate::wire::DeviceMessage::Done). When the last accepted frame
+//! and then [`DeviceMessage::Done`](crate::wire::DeviceMessage::Done); what a body
+//! [thinks](Body::think) about first is a result as well. When the last accepted frame
 //! is repeated, its answer is sent again byte for byte, and nothing is done twice.
 //!
 //! When the host falls silent for longer than [`SILENCE_MS`](crate::link::SILENCE_MS) the robot
@@ -83,6 +84,8 @@ pub struct Node<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize
     underway: Option<Underway>,
     counters: Counters,
     reply_cache: ReplyCache,
+    /// The request that is answered when the body has thought.
+    unanswered: Option<u16>,
     /// A stale echo was reported since the last decision.
     stale_reported: bool,
     /// The received part of an uploaded configuration or body.
@@ -130,6 +133,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<S
             underway: None,
             counters: Counters::NONE,
             reply_cache: ReplyCache::new(),
+            unanswered: None,
             stale_reported: false,
             staged: Vec::new(),
             staged_part: StagedPart::Config,
@@ -216,7 +220,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<S
         } else if self.link.clock() == Clock::Device {
             self.watch(time, now, out);
         }
-        self.thinks()
+        if self.body.is_thinking() {
+            let outputs = self.body.think(&self.config, &mut self.state, time);
+            self.publish(&outputs, time, now, out);
+        }
+        if !self.body.is_thinking() {
+            self.answer_request(now, out);
+        }
+        self.thinks() || self.body.is_thinking()
     }
 
     /// Whether it stands and has something to work out, tick by tick.

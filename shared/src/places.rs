@@ -9,10 +9,11 @@
 //!
 //! Positions come from odometry, corrected by what is perceived at known places, in the frame of
 //! the start: ±32 m.
+//!
+//! [`Places::begin`] begins to think and [`Places::think`] does a part of it: on a chip events are
+//! handled in between.
 
-use crate::goal::Goal;
 use crate::memory::SituationBytes;
-use crate::points::PointMemory;
 use crate::units::Displacement;
 
 mod graph;
@@ -20,12 +21,14 @@ mod locate;
 mod recall;
 mod recent;
 mod record;
+mod stage;
 mod sub_goal;
 mod wavefront;
 
 use graph::Graph;
-use recall::{Sought, compared};
 use recent::Recent;
+pub use stage::SLICE;
+use stage::Stage;
 use wavefront::Wavefront;
 
 /// What places are.
@@ -70,6 +73,19 @@ pub enum Aim {
     Frontier,
     /// To where the situation that it pursues was perceived or may be.
     Situation,
+}
+
+/// What a robot does at a decision, beside perceiving where it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// It is not led.
+    Perceive,
+    /// It pursues the situation by itself, which is not here.
+    Search,
+    /// It has found the situation.
+    Stay,
+    /// It is led.
+    Lead(Aim),
 }
 
 /// The way to the next place.
@@ -135,6 +151,10 @@ pub struct Places<const SECTORS: usize, const RECORDS: usize> {
     found: Option<Displacement>,
     recent: Recent,
     wavefront: Wavefront<RECORDS>,
+    /// What it thinks about: what it perceives here, and what for; all zeros at first.
+    view: SituationBytes<SECTORS>,
+    purpose: Purpose,
+    stage: Stage,
 }
 
 impl<const SECTORS: usize, const RECORDS: usize> Default for Places<SECTORS, RECORDS> {
@@ -157,6 +177,9 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             found: None,
             recent: Recent::NEW,
             wavefront: Wavefront::NEW,
+            view: [0; SECTORS],
+            purpose: Purpose::Lead(Aim::Position(Displacement::ZERO)),
+            stage: Stage::Done,
         }
     }
 
@@ -166,6 +189,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         (self.here, self.current) = (Displacement::ZERO, None);
         (self.frontier, self.frontier_age) = (None, 0);
         (self.target, self.found, self.recent) = (None, None, Recent::NEW);
+        self.stage = Stage::Done;
     }
 
     /// From now on something else is sought.
@@ -189,67 +213,6 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     /// The robot has moved, in the frame of the start.
     pub fn moved(&mut self, moved: Displacement) {
         self.here = self.here.plus(moved);
-    }
-
-    /// Takes what the robot, which stands, has around it, and what it perceives in the frame of
-    /// the start.
-    pub fn perceive<const POINTS: usize>(
-        &mut self,
-        limits: &PlaceLimits,
-        points: &PointMemory<POINTS>,
-        view: SituationBytes<SECTORS>,
-    ) {
-        if let Some(merged) = self.graph.thin_out(limits) {
-            self.current = self.current.map(|place| merged.renumbered(place));
-            // What they were to lead to is looked for anew.
-            (self.frontier, self.target) = (None, None);
-        }
-        let Some(index) = self.graph.place_at(limits, self.here, &view) else {
-            return;
-        };
-        self.graph
-            .look_around(limits, points, index, self.here, &view);
-        if let Some(before) = self.current.filter(|before| *before != index) {
-            self.graph.went(before, index);
-        }
-        self.current = Some(index);
-    }
-
-    /// The situation that it seeks is found here, or sought here in vain.
-    pub fn searched(&mut self, is_found: bool) {
-        if let Some(current) = self.current {
-            self.graph.searched(current, is_found);
-        }
-    }
-
-    /// The next sub-goal on the way; `None` where there is none: nothing is known yet, everything
-    /// has been visited, or the robot is where the situation may be found. `goal` is the situation
-    /// that [`Aim::Situation`] means.
-    pub fn lead<const POINTS: usize>(
-        &mut self,
-        limits: &PlaceLimits,
-        points: &PointMemory<POINTS>,
-        aim: Aim,
-        goal: &Goal<SECTORS>,
-    ) -> Option<Leg> {
-        let compared = compared(goal);
-        let sought = match aim {
-            Aim::Position(position) => Sought::Position(position),
-            Aim::Frontier => Sought::Nothing,
-            Aim::Situation => Sought::Situation(&compared),
-        };
-        let way = self.next_way(limits, points, sought)?;
-        let fits = |room_mm: &u16| {
-            let radius_mm = limits.radius_mm.saturating_add(*room_mm);
-            points.free_mm(way, radius_mm) >= way.length_mm()
-        };
-        let room_mm = ROOMS_MM.into_iter().find(fits).unwrap_or(0);
-        let is_last = aim == Aim::Position(self.here.plus(way));
-        Some(Leg {
-            way,
-            room_mm,
-            is_last,
-        })
     }
 }
 

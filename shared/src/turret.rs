@@ -13,24 +13,21 @@ use crate::actuation::{Actuation, Odometer};
 use crate::config::Config;
 use crate::controller::{Event, Motion, Outputs, Progress, stale};
 use crate::fixed::Mask;
-use crate::places::{Aim, Places};
-use crate::points::{Beam, PointLimits, PointMemory};
+use crate::places::{Aim, Leg, Places};
+use crate::points::{Beam, PointMemory};
 use crate::units::{Bearing, Displacement, Millis, Range};
 
 mod body_spec;
 mod glance;
 mod guard;
 mod lead;
+mod replan;
 mod ring_controller;
 
 pub use body_spec::{BodySpec, Mount};
 use guard::Hull;
 pub use ring_controller::RingController;
 
-/// New decisions in a row before one is carried out whatever shows up.
-const MAX_LOOKS: u8 = 3;
-/// The body counts as turned towards its way within this angle: 7.5°.
-const TURNED: u16 = 65_536_u32.div_ceil(48) as u16;
 /// After so long without an echo nothing is known any more, milliseconds: travel alone does not
 /// tell that a robot was carried elsewhere while it was off.
 const FORGET_MS: u32 = 600_000;
@@ -50,6 +47,8 @@ pub struct VirtualTurret<const SECTORS: usize, const POINTS: usize, const RECORD
     heard_at: Millis,
     /// The ring of the last decision.
     last_ring: [Option<Range>; SECTORS],
+    /// Its sectors that are known.
+    known: Mask,
     /// What is left of the motion under way, in the frame of the start.
     motion: Option<Motion>,
     /// Where that motion was to go at first, in the same frame.
@@ -94,6 +93,7 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
             fresh: Mask::NONE,
             heard_at: Millis::from_ms(0),
             last_ring: [None; SECTORS],
+            known: Mask::NONE,
             motion: None,
             course: Bearing::ZERO,
             is_rolling: false,
@@ -111,10 +111,9 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
     pub fn restart(&mut self) {
         self.memory.restart();
         self.places.forget();
-        self.is_led = false;
         self.odometer = Odometer::NEW;
         (self.fresh, self.heard_at) = (Mask::NONE, Millis::from_ms(0));
-        self.last_ring = [None; SECTORS];
+        (self.last_ring, self.known) = ([None; SECTORS], Mask::NONE);
         (self.motion, self.course) = (None, Bearing::ZERO);
         (self.is_rolling, self.replans, self.knows_place) = (false, 0, false);
         (self.glance_since, self.glances, self.first_looks) = (None, 0, 0);
@@ -131,32 +130,6 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
     #[must_use]
     pub const fn ring(&self) -> &[Option<Range>; SECTORS] {
         &self.last_ring
-    }
-
-    /// Whether the body faces its way and has not begun to roll.
-    fn faces_way(&self, motion: &Motion) -> bool {
-        let offset = motion.displacement.bearing().minus(self.memory.heading());
-        !self.is_rolling && offset.as_signed_turns().unsigned_abs() <= TURNED
-    }
-
-    /// Whether a sector within 75° of the way is near, and clearly nearer than at the last
-    /// decision.
-    fn is_blocked(
-        &self,
-        limits: &PointLimits,
-        way: Bearing,
-        ring: &[Option<Range>; SECTORS],
-    ) -> bool {
-        const DEGREES_75: u16 = (65_536 * 75 / 360) as u16;
-        let mm = |range: Option<Range>| range.map_or(u16::MAX, Range::as_mm);
-        let mut sectors = ring.iter().zip(&self.last_ring).enumerate();
-        sectors.any(|(sector, (now, before))| {
-            let offset = Bearing::of_place(sector, SECTORS).minus(way);
-            let (now, before) = (mm(*now), mm(*before));
-            offset.as_signed_turns().unsigned_abs() < DEGREES_75
-                && now < limits.replan_within_mm
-                && now < before.saturating_sub(limits.replan_nearer_mm)
-        })
     }
 
     /// Turns a motion from the frame of the start into the one that the base is to be told.
@@ -214,10 +187,39 @@ pub fn handle<
         Event::Command(command) => robot.command(command),
         Event::Tick | Event::Alarm(_) | Event::Touched => robot.control(event),
     };
-    if was_moving && !robot.controller.is_moving() {
-        robot.turret.motion = None;
-        robot.turret.fresh = Mask::NONE;
+    robot.settle(was_moving, &outputs);
+    outputs
+}
+
+/// A slice of the thinking that a decision takes, to be called between events while the turret
+/// [`is_thinking`](VirtualTurret::is_thinking). The decision comes with the last slice. A robot
+/// that is stopped, commanded or alarmed thinks no more.
+#[must_use]
+pub fn think<
+    const SECTORS: usize,
+    const BEAMS: usize,
+    const POINTS: usize,
+    const RECORDS: usize,
+>(
+    config: &Config<SECTORS>,
+    body: &BodySpec<BEAMS>,
+    turret: &mut VirtualTurret<SECTORS, POINTS, RECORDS>,
+    controller: &mut impl RingController<SECTORS>,
+    at: Millis,
+) -> Outputs<SECTORS> {
+    if !turret.is_thinking() {
+        return Outputs::NONE;
     }
+    let mut robot = Robot {
+        config,
+        body,
+        turret,
+        controller,
+        at,
+    };
+    let was_moving = robot.controller.is_moving();
+    let outputs = robot.think();
+    robot.settle(was_moving, &outputs);
     outputs
 }
 
@@ -246,6 +248,18 @@ where
         self.controller.handle_ring(self.config, self.at, event)
     }
 
+    /// After an event: a motion is over, or a mode in which it was to decide.
+    fn settle(&mut self, was_moving: bool, outputs: &Outputs<SECTORS>) {
+        let has_stopped = was_moving && !self.controller.is_moving();
+        if has_stopped {
+            self.turret.motion = None;
+            self.turret.fresh = Mask::NONE;
+        }
+        if has_stopped || outputs.mode_changed {
+            self.turret.places.stop_thinking();
+        }
+    }
+
     /// A sensor was heard: under way the guard looks at it, at rest a complete ring is a decision.
     fn echo(&mut self, sensor: u8, range: Option<Range>) -> Outputs<SECTORS> {
         let Some(mount) = self.body.mounts.get(usize::from(sensor)) else {
@@ -263,6 +277,7 @@ where
         let is_complete = self.body.enabled.indices(BEAMS).all(|s| fresh.contains(s));
         match (self.controller.is_moving(), is_complete) {
             (false, false) => Outputs::NONE,
+            (false, true) if self.turret.is_thinking() => Outputs::NONE,
             (false, true) if self.turret.is_glancing(self.at, self.config.robot.steer_ms) => {
                 self.turret.fresh = Mask::NONE;
                 Outputs::NONE
@@ -293,36 +308,6 @@ where
         self.turret.memory.hear(&self.body.points, &beam);
     }
 
-    /// All sensors were heard during a motion.
-    fn ring_under_way(&mut self) -> Outputs<SECTORS> {
-        self.turret.fresh = Mask::NONE;
-        let (ring, _) = self.turret.memory.ring(&self.body.points);
-        if self.must_decide_again(&ring) {
-            self.turret.replans = self.turret.replans.saturating_add(1);
-            self.controller.abandon_motion(self.at);
-            return self.decide();
-        }
-        // The controller stops a robot whose ring falls silent during a motion.
-        for sector in self.controller.enabled(self.config).indices(SECTORS) {
-            let range = ring.get(sector).copied().flatten();
-            let sensor = sector as u8;
-            let _ = self.control(Event::Echo { sensor, range });
-        }
-        self.shorten()
-    }
-
-    /// Whether a robot that has just turned towards its way sees something that it did not know.
-    /// Random moves are not reconsidered.
-    fn must_decide_again(&self, ring: &[Option<Range>; SECTORS]) -> bool {
-        let turret = &self.turret;
-        let seeks = self.controller.pursues_goal();
-        let motion = turret.motion.filter(|motion| turret.faces_way(motion));
-        motion.is_some_and(|motion| {
-            let way = motion.displacement.bearing();
-            seeks && turret.replans < MAX_LOOKS && turret.is_blocked(&self.body.points, way, ring)
-        })
-    }
-
     /// A decision of a robot that stands, or a look around before it.
     fn look_and_decide(&mut self) -> Outputs<SECTORS> {
         if let Some(motion) = self.glance() {
@@ -335,17 +320,32 @@ where
         self.decide()
     }
 
-    /// Gives the controller the ring of sectors; its motion goes out in the body's frame.
+    /// Reads off the ring to decide on. With a memory of places the robot thinks first; on its way
+    /// it still heeds its guard.
     fn decide(&mut self) -> Outputs<SECTORS> {
         let (ring, mut known) = self.turret.memory.ring(&self.body.points);
         // Where nothing is heard it is open: who waited for an echo would wait for ever.
         if known == Mask::NONE {
             known = Mask::ALL;
         }
-        self.turret.last_ring = ring;
+        (self.turret.last_ring, self.turret.known) = (ring, known);
+        self.turret.fresh = Mask::NONE;
+        // A robot without places has no code for them.
+        if RECORDS == 0 {
+            return self.decide_on(None);
+        }
+        self.begin_to_think();
+        self.shorten()
+    }
+
+    /// Gives the controller the ring of sectors; its motion goes out in the body's frame.
+    fn decide_on(&mut self, leg: Option<Leg>) -> Outputs<SECTORS> {
+        if self.controller.is_moving() {
+            self.controller.abandon_motion(self.at);
+        }
+        let (ring, known) = (self.turret.last_ring, self.turret.known);
         self.turret.fresh = Mask::NONE;
         self.controller.set_visible(known);
-        let leg = self.next_leg(&ring, known);
         self.controller.lead(leg);
         let mut outputs = Outputs::NONE;
         for (sector, range) in ring.into_iter().enumerate() {

@@ -40,6 +40,7 @@ impl TurretController {
         state.expect_open_space(config.open_space);
         let mut body = Box::<SimBody>::default();
         body.tell(&robot.body());
+        body.lead_to(None);
         Self {
             config,
             body,
@@ -181,7 +182,18 @@ impl<P: Policy> Pilot for TurretPolicy<P> {
 
 impl Pilot for TurretController {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
-        self.body.handle(&self.config, &mut self.state, at, event)
+        let Self {
+            config,
+            body,
+            state,
+            ..
+        } = self;
+        let mut outputs = body.handle(config, state, at, event);
+        // In no simulated time.
+        while body.is_thinking() {
+            outputs = body.think(config, state, at);
+        }
+        outputs
     }
 
     fn lead_to(&mut self, aim: Option<Aim>) -> Result<(), EpisodeError> {

@@ -64,10 +64,12 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize, const RECORD
     }
 
     /// Tells what the body of a robot that stands is; what was found of another one is forgotten.
+    /// Its places, if it has any, lead it to situations.
     pub fn tell(&mut self, body: &BodySpec<BEAMS>) {
         self.told.clone_from(body);
         self.known.clone_from(body);
         self.turret.restart();
+        self.turret.lead_to(Some(Aim::Situation));
         self.solver.stop();
         self.babble.begin(0, 0);
         (self.listens, self.moves_unknown) = (false, 0);
@@ -308,6 +310,24 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize, const RECORD
         if self.listens && learns && outputs.refusal.is_none() {
             self.begin_to_solve();
             self.listens = false;
+        }
+        outputs
+    }
+
+    fn is_thinking(&self) -> bool {
+        self.turret.is_thinking()
+    }
+
+    fn think<const NEURONS: usize, const SAMPLES: usize>(
+        &mut self,
+        config: &Config<SECTORS>,
+        state: &mut State<SECTORS, NEURONS, SAMPLES>,
+        at: Millis,
+    ) -> Outputs<SECTORS> {
+        let was_moving = state.is_moving();
+        let outputs = turret::think(config, &self.known, &mut self.turret, state, at);
+        if was_moving && !state.is_moving() && !self.listens {
+            self.check_sensors();
         }
         outputs
     }

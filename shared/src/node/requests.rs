@@ -23,6 +23,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<S
         now: Millis,
         out: &mut impl FrameSink,
     ) {
+        let was_thinking = self.body.is_thinking();
         let result = if let HostMessage::Flash(what) = *message {
             self.link.heard_timeless(now);
             let requested = self.request_flash(seq, what);
@@ -37,7 +38,18 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<S
         if let Err(why) = result {
             self.refuse(seq, why, now, out);
         }
-        if !matches!(message, HostMessage::Alive { .. }) {
+        if matches!(message, HostMessage::Alive { .. }) {
+            return;
+        }
+        self.unanswered = Some(seq);
+        if was_thinking || !self.body.is_thinking() {
+            self.answer_request(now, out);
+        }
+    }
+
+    /// Ends the answer to a request.
+    pub(super) fn answer_request(&mut self, now: Millis, out: &mut impl FrameSink) {
+        if let Some(seq) = self.unanswered.take() {
             self.done(seq, now, out);
             self.reply_cache.finish();
         }

@@ -38,6 +38,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<S
         let verdict = self.link.accept(header);
         if verdict == FrameVerdict::Accept {
             add(&mut self.counters.accepted);
+            if !matches!(message, HostMessage::Alive { .. }) {
+                self.answer_request(now, out);
+            }
             self.reply_cache.begin();
         }
         // A stop acts in every session, with every number and time. If it repeats the last frame,
@@ -52,6 +55,10 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<S
         let seq = header.seq;
         match verdict {
             FrameVerdict::Accept => self.request(seq, message, now, out),
+            // Its answer is on its way.
+            FrameVerdict::Replayed { last: true } if self.unanswered == Some(seq) => {
+                add(&mut self.counters.replayed);
+            }
             FrameVerdict::Replayed { last } => {
                 add(&mut self.counters.replayed);
                 if last && !matches!(message, HostMessage::Alive { .. }) {
@@ -100,6 +107,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<S
         self.source = Source::Link;
         self.seq = 0;
         self.reply_cache.clear();
+        self.unanswered = None;
         self.hello(now, out);
     }
 

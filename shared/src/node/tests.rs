@@ -17,6 +17,7 @@ use std::vec::Vec;
 mod again;
 mod document;
 mod safety;
+mod think;
 
 type Small = Node<16, 16, 20>;
 

@@ -1,7 +1,7 @@
 //! Places and the links between them.
 
 use super::PlaceLimits;
-use super::record::{END_MM, FreeWays, LINKS, Record, WAYS};
+use super::record::{END_MM, Record};
 use crate::memory::SituationBytes;
 use crate::points::PointMemory;
 use crate::units::Displacement;
@@ -89,11 +89,13 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
     pub(super) fn thin_out(&mut self, limits: &PlaceLimits) -> Option<Merged> {
         let spacing_mm = self.spacing_mm(limits);
         for _ in 0..THINNED {
-            let record = *self.get(self.apart)?;
+            let at = self.get(self.apart)?.at;
             let earlier = self.numbered().take(self.apart.into());
-            let near = earlier.map(|(index, other)| (index, other.distance_mm(record.at)));
-            let near = near.filter(|(_, distance_mm)| *distance_mm < spacing_mm);
-            let nearest = near.min_by_key(|(_, distance_mm)| *distance_mm);
+            let is_near = |(_, other): &(u16, &Record<SECTORS>)| {
+                at.minus(other.at).is_shorter_than(spacing_mm.into())
+            };
+            let near = earlier.filter(is_near);
+            let nearest = near.min_by_key(|(_, other)| other.distance_mm(at));
             match nearest {
                 Some((into, _)) => return Some(self.merge(self.apart, into)),
                 None => self.apart += 1,
@@ -109,11 +111,13 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
             into,
             last: self.records.len() as u16 - 1,
         };
-        let links = self.get(gone).into_iter().flat_map(Record::links);
-        for other in Vec::<u16, LINKS>::from_iter(links.filter(|link| *link != into)) {
+        let links = self.get(gone).map(Record::links).into_iter().flatten();
+        for other in links.filter(|link| *link != into) {
             self.went(other, into);
         }
-        self.records.swap_remove(gone.into());
+        if usize::from(gone) < self.records.len() {
+            self.records.swap_remove(gone.into());
+        }
         for record in &mut self.records {
             record.renumber(merged);
         }
@@ -131,6 +135,15 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
     /// All places with their numbers.
     pub(super) fn numbered(&self) -> impl Iterator<Item = (u16, &Record<SECTORS>)> {
         (0_u16..).zip(&self.records)
+    }
+
+    /// So many places with their numbers, from one on.
+    pub(super) fn some(
+        &self,
+        first: u16,
+        count: u16,
+    ) -> impl Iterator<Item = (u16, &Record<SECTORS>)> {
+        self.numbered().skip(first.into()).take(count.into())
     }
 
     pub(super) fn get(&self, index: u16) -> Option<&Record<SECTORS>> {
@@ -186,42 +199,50 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
         }
     }
 
-    /// Measures the free ways around a place and what is perceived there, if the robot is there.
-    pub(super) fn look_around<const POINTS: usize>(
+    /// Adds to a place what a robot perceives that is there; whether it is.
+    pub(super) fn complete(
+        &mut self,
+        index: u16,
+        here: Displacement,
+        view: &SituationBytes<SECTORS>,
+    ) -> bool {
+        let record = self.get_mut(index);
+        let record = record.filter(|record| record.at.minus(here).is_shorter_than(AT_PLACE_MM));
+        let is_there = record.is_some();
+        if let Some(record) = record {
+            record.complete(view);
+        }
+        is_there
+    }
+
+    /// Measures a free way around a place, from a robot that is there.
+    pub(super) fn measure<const POINTS: usize>(
         &mut self,
         limits: &PlaceLimits,
         points: &PointMemory<POINTS>,
         index: u16,
         here: Displacement,
-        view: &SituationBytes<SECTORS>,
+        way: usize,
     ) {
-        let Some(record) = self.get_mut(index) else {
-            return;
-        };
-        let offset = record.at.minus(here);
-        if offset.is_shorter_than(AT_PLACE_MM) {
-            record.complete(view);
-            record.free = FreeWays::around(points, offset, limits.radius_mm);
-            self.find_frontiers(limits, index);
+        if let Some(record) = self.get_mut(index) {
+            let offset = record.at.minus(here);
+            record.free.measure(points, offset, way, limits.radius_mm);
         }
     }
 
     /// Marks the free ways of a place whose ends no place covers.
-    fn find_frontiers(&mut self, limits: &PlaceLimits, index: u16) {
-        let Some(record) = self.get(index) else {
+    pub(super) fn find_frontiers(&mut self, limits: &PlaceLimits, index: u16) {
+        let spacing_mm = self.spacing_mm(limits);
+        let Some(record) = self.records.get_mut(usize::from(index)) else {
             return;
         };
-        let mut open = 0_u32;
-        let spacing_mm = self.spacing_mm(limits);
-        for way in (0..WAYS).filter(|way| record.may_open(*way, spacing_mm)) {
-            let end = record.end_of(way);
-            let covers = |other: &Record<SECTORS>| other.distance_mm(end) < spacing_mm;
-            if !self.records.iter().any(covers) {
-                open |= 1 << way;
-            }
+        record.open_ways(spacing_mm);
+        let mut record = *record;
+        for other in &self.records {
+            record.close_frontiers(other.at, spacing_mm);
         }
-        if let Some(record) = self.get_mut(index) {
-            record.open = open;
+        if let Some(kept) = self.get_mut(index) {
+            kept.open = record.open;
         }
     }
 

@@ -97,7 +97,7 @@ impl LeastSquares {
         let ([xx, xy, yy], [right_x, right_y]) = (self.matrix, self.right);
         // At least 2²⁸.
         let determinant = xx * yy - xy * xy;
-        let mm = |value: i64| (value / determinant) as i32;
+        let mm = |value: i64| value.checked_div(determinant).unwrap_or(0) as i32;
         let (x, y) = (
             mm(yy * right_x - xy * right_y),
             mm(xx * right_y - xy * right_x),

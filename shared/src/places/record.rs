@@ -15,7 +15,7 @@ const MOST_MM: u16 = 15 * UNIT_MM;
 /// What lies at the end of a free way is looked for at most this far away, millimeters.
 pub(super) const END_MM: u16 = 600;
 /// Places that the robot went to from here: the oldest goes.
-pub(super) const LINKS: usize = 6;
+const LINKS: usize = 6;
 
 /// A place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,9 +71,14 @@ impl<const SECTORS: usize> Record<SECTORS> {
         ))
     }
 
-    /// Whether a way is long enough to end outside of this place, and has not been tried.
-    pub(super) fn may_open(&self, way: usize, spacing_mm: u16) -> bool {
-        self.tried & (1 << way) == 0 && self.free.length_mm(way) >= spacing_mm.saturating_add(50)
+    /// Ways that have not been tried and are long enough to end outside of this place are open.
+    pub(super) fn open_ways(&mut self, spacing_mm: u16) {
+        let is_open = |way: &usize| {
+            self.tried & (1 << way) == 0
+                && self.free.length_mm(*way) >= spacing_mm.saturating_add(50)
+        };
+        let ways = (0..WAYS).filter(is_open);
+        self.open = ways.fold(0, |open, way| open | 1 << way);
     }
 
     /// The middle one of each run of open ways.
@@ -89,12 +94,17 @@ impl<const SECTORS: usize> Record<SECTORS> {
         middles.chain((open == u32::MAX).then_some(0))
     }
 
-    /// A new place covers the ends of these ways.
+    /// A place covers the ends of these ways.
     pub(super) fn close_frontiers(&mut self, position: Displacement, spacing_mm: u16) {
+        // Most places are far from these ends, which are as far as that to within rounding.
+        let reach_mm = u32::from(END_MM) + u32::from(spacing_mm) + 10;
+        if !position.minus(self.at).is_shorter_than(reach_mm) {
+            return;
+        }
         let open = self.open;
         for way in (0..WAYS).filter(|way| open & (1 << way) != 0) {
             let end = self.end_of(way);
-            if position.minus(end).length_mm() < spacing_mm {
+            if position.minus(end).is_shorter_than(spacing_mm.into()) {
                 self.open &= !(1 << way);
             }
         }
@@ -141,21 +151,23 @@ pub(super) struct FreeWays([u8; WAYS / 2]);
 impl FreeWays {
     const NONE: Self = Self([0; WAYS / 2]);
 
-    /// Free ways from a position beside the robot, for a disc of `radius_mm`.
-    pub(super) fn around<const POINTS: usize>(
+    /// Measures one of the ways from a position beside the robot, for a disc of `radius_mm`.
+    pub(super) fn measure<const POINTS: usize>(
+        &mut self,
         points: &PointMemory<POINTS>,
         from: Displacement,
+        way: usize,
         radius_mm: u16,
-    ) -> Self {
-        let mut free = Self::NONE;
-        for (pair, cell) in free.0.iter_mut().enumerate() {
-            let units = |way: usize| {
-                let way = Displacement::along(Bearing::of_place(way, WAYS), MOST_MM.into());
-                (points.free_from_mm(from, way, radius_mm) / UNIT_MM).min(15) as u8
+    ) {
+        let along = Displacement::along(Bearing::of_place(way, WAYS), MOST_MM.into());
+        let units = (points.free_from_mm(from, along, radius_mm) / UNIT_MM).min(15) as u8;
+        if let Some(pair) = self.0.get_mut(way / 2) {
+            *pair = if way.is_multiple_of(2) {
+                *pair & 0xF0 | units
+            } else {
+                *pair & 0x0F | units << 4
             };
-            *cell = units(2 * pair) | units(2 * pair + 1) << 4;
         }
-        free
     }
 
     pub(super) fn length_mm(&self, way: usize) -> u16 {

@@ -2,6 +2,8 @@
 
 use super::graph::LONGEST_LINK_MM;
 use super::recall::Sought;
+use super::record::Record;
+use super::stage::{Candidate, NO_CANDIDATE, Stage};
 use super::{Frontier, NOWHERE, PlaceLimits, Places, Target};
 use crate::points::PointMemory;
 use crate::units::Displacement;
@@ -27,8 +29,8 @@ const STEADY: u8 = 8;
 const PATIENCE: u8 = 60;
 
 impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
-    /// The way to the next sub-goal.
-    pub(super) fn next_way<const POINTS: usize>(
+    /// The way to the goal, if the robot sees it, or to the sub-goal that it is on the way to.
+    pub(super) fn known_way<const POINTS: usize>(
         &mut self,
         limits: &PlaceLimits,
         points: &PointMemory<POINTS>,
@@ -50,42 +52,70 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         if is_stuck {
             self.give_up(limits);
         }
-        if let Some(target) = self.target.take() {
-            let way = target.position.minus(self.here);
-            let is_open = way.is_shorter_than(limits.near_mm.into()) || fits(&way);
-            if target.left > 0 && !way.is_shorter_than(REACHED_MM) && is_open {
-                let left = target.left - 1;
-                self.target = Some(Target { left, ..target });
-                return Some(way);
-            }
+        let target = self.target.take()?;
+        let way = target.position.minus(self.here);
+        let is_open = way.is_shorter_than(limits.near_mm.into()) || fits(&way);
+        if target.left == 0 || way.is_shorter_than(REACHED_MM) || !is_open {
+            return None;
         }
-        let target = self.sub_goal(limits, points, sought)?;
-        self.target = Some(target);
-        Some(target.position.minus(self.here))
+        let left = target.left - 1;
+        self.target = Some(Target { left, ..target });
+        Some(way)
     }
 
-    fn sub_goal<const POINTS: usize>(
+    /// The way to a new sub-goal, if this is the best place in sight.
+    pub(super) fn new_way<const POINTS: usize>(
         &mut self,
         limits: &PlaceLimits,
         points: &PointMemory<POINTS>,
         sought: Sought<'_, SECTORS>,
-    ) -> Option<Target> {
-        let fits = |way: Displacement| points.free_mm(way, limits.radius_mm) >= way.length_mm();
-        self.spread(limits, sought);
-        let visible = self.graph.numbered().filter_map(|(index, record)| {
-            let way = record.at.minus(self.here);
-            let length_mm = way.length_mm();
-            let cost_mm = self.wavefront.cost_mm(index)?.saturating_add(length_mm);
-            // A body's centers so near to each other have no wall between them.
-            let is_open = length_mm < limits.near_mm || length_mm <= SIGHT_MM && fits(way);
-            (is_open && !self.is_blocked_from_here(index)).then_some((cost_mm, index))
-        });
-        let index = visible.min().map(|(_, index)| index);
+        (_, best): Candidate,
+    ) -> Option<Displacement> {
+        let index = (best != NOWHERE).then_some(best);
         let Some(index) = index.or_else(|| self.nearest_reached()) else {
             // Nothing is left: everything may be tried again.
             self.graph.search_anew();
             return None;
         };
+        let target = self.sub_goal(limits, points, sought, index)?;
+        self.target = Some(target);
+        Some(target.position.minus(self.here))
+    }
+
+    /// Looks for the best place in sight, at so many places; the best is known of those before.
+    pub(super) fn look<const POINTS: usize>(
+        &self,
+        limits: &PlaceLimits,
+        points: &PointMemory<POINTS>,
+        (first, mut best): (u16, Candidate),
+        steps: u16,
+    ) -> Stage {
+        let fits = |way: Displacement| points.free_mm(way, limits.radius_mm) >= way.length_mm();
+        for (index, record) in self.graph.some(first, steps) {
+            let way = record.at.minus(self.here);
+            let length_mm = way.length_mm();
+            let Some(to_goal_mm) = self.wavefront.cost_mm(index) else {
+                continue;
+            };
+            let candidate = (to_goal_mm.saturating_add(length_mm), index);
+            // A body's centers so near to each other have no wall between them.
+            let is_open = || length_mm < limits.near_mm || length_mm <= SIGHT_MM && fits(way);
+            if candidate < best && !self.is_blocked_from_here(index) && is_open() {
+                best = candidate;
+            }
+        }
+        Stage::Sight(first.saturating_add(steps), best)
+    }
+
+    /// The sub-goal of a way that goes by this place.
+    fn sub_goal<const POINTS: usize>(
+        &mut self,
+        limits: &PlaceLimits,
+        points: &PointMemory<POINTS>,
+        sought: Sought<'_, SECTORS>,
+        index: u16,
+    ) -> Option<Target> {
+        let fits = |way: Displacement| points.free_mm(way, limits.radius_mm) >= way.length_mm();
         self.follow(limits, index);
         let place = self.graph.get(index)?.at;
         let is_recalled = sought.is_situation() && self.wavefront.is_end(index);
@@ -120,35 +150,46 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         nearest.map(|(index, _)| index)
     }
 
-    /// Spreads the costs of the ways to the goal and to the frontiers over all places.
-    fn spread(&mut self, limits: &PlaceLimits, sought: Sought<'_, SECTORS>) {
-        self.begin_wave(limits, sought);
+    /// Spreads the costs of the ways to the goal and to the frontiers, from so many places on.
+    pub(super) fn spread(&mut self, limits: &PlaceLimits, steps: u16) -> Stage {
         let (graph, wavefront) = (&self.graph, &mut self.wavefront);
-        while let Some((from, cost_mm)) = wavefront.nearest() {
+        for _ in 0..steps {
+            let Some((from, cost_mm)) = wavefront.nearest() else {
+                return Stage::Sight(0, NO_CANDIDATE);
+            };
             let Some(origin) = graph.get(from) else {
-                break;
+                continue;
             };
             for (index, record) in graph.numbered() {
-                let length_mm = record.distance_mm(origin.at);
-                let through_mm = cost_mm.saturating_add(length_mm).saturating_add(STOP_MM);
-                if length_mm <= LONGEST_LINK_MM
-                    && wavefront.improves(index, through_mm)
-                    && graph.is_linked(limits, index, from)
-                {
+                let way = record.at.minus(origin.at);
+                if !way.is_shorter_than(u32::from(LONGEST_LINK_MM) + 1) {
+                    continue;
+                }
+                let through_mm = cost_mm.saturating_add(way.length_mm() + STOP_MM);
+                if wavefront.improves(index, through_mm) && graph.is_linked(limits, index, from) {
                     wavefront.reach(index, through_mm, from);
                 }
             }
         }
+        Stage::Wave
     }
 
-    /// Begins the wave at the goal, or at the places that it recalls, and at the frontiers.
-    fn begin_wave(&mut self, limits: &PlaceLimits, sought: Sought<'_, SECTORS>) {
+    /// Begins the wave at so many places: at the goal, or at those that it recalls, and at the
+    /// frontiers.
+    pub(super) fn begin_wave(
+        &mut self,
+        limits: &PlaceLimits,
+        sought: Sought<'_, SECTORS>,
+        first: u16,
+        steps: u16,
+    ) -> Stage {
         let goal = sought.position();
         let (graph, wavefront) = (&self.graph, &mut self.wavefront);
-        wavefront.begin();
-        let nearest = goal.and_then(|goal| graph.nearest(goal));
-        let is_known = nearest.is_some_and(|(_, distance_mm)| distance_mm < limits.near_mm);
-        for (index, record) in graph.numbered() {
+        let is_near = |goal: Displacement, record: &Record<SECTORS>| {
+            goal.minus(record.at).is_shorter_than(limits.near_mm.into())
+        };
+        let is_known = goal.is_some_and(|goal| graph.records().iter().any(|r| is_near(goal, r)));
+        for (index, record) in graph.some(first, steps) {
             if let Some(goal) = goal {
                 let way = goal.minus(record.at);
                 let length_mm = way.length_mm();
@@ -179,6 +220,12 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
                     .saturating_sub(if is_kept { KEPT_MM } else { 0 });
                 wavefront.source(index, cost_mm.max(LEAST_MM), Some(way));
             }
+        }
+        let next = first.saturating_add(steps);
+        if usize::from(next) < graph.records().len() {
+            Stage::Sources(next)
+        } else {
+            Stage::Wave
         }
     }
 

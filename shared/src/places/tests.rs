@@ -1,8 +1,10 @@
 use super::*;
+use crate::goal::Goal;
 use crate::memory;
-use crate::points::{Beam, PointLimits};
+use crate::points::{Beam, PointLimits, PointMemory};
 use crate::scan::Encoding;
 use crate::units::{Bearing, Range};
+use core::task::Poll;
 
 const LIMITS: PlaceLimits = PlaceLimits::NOMAD;
 const BODY_MM: f64 = 269.0;
@@ -28,6 +30,8 @@ struct Walker<'a, const RECORDS: usize = 256> {
     places: Places<16, RECORDS>,
     goal: Goal<16>,
     way_mm: f64,
+    /// Ways or places that it thinks of at a time.
+    slice: u16,
 }
 
 impl<'a, const RECORDS: usize> Walker<'a, RECORDS> {
@@ -39,6 +43,7 @@ impl<'a, const RECORDS: usize> Walker<'a, RECORDS> {
             places: Places::new(),
             goal: perceived(&[255; 16]),
             way_mm: 0.0,
+            slice: u16::MAX,
         }
     }
 
@@ -75,7 +80,7 @@ impl<'a, const RECORDS: usize> Walker<'a, RECORDS> {
         distances.fold(10_000.0, f64::min)
     }
 
-    fn look(&mut self) {
+    fn hear(&mut self) {
         for sensor in 0..16 {
             let axis = Bearing::of_place(sensor, 16);
             let middle = sensor as f64 * core::f64::consts::TAU / 16.0;
@@ -89,8 +94,17 @@ impl<'a, const RECORDS: usize> Walker<'a, RECORDS> {
             };
             self.points.hear(&PointLimits::NOMAD, &beam);
         }
+    }
+
+    fn look(&mut self) {
+        self.hear();
+        assert_eq!(self.think(Purpose::Perceive), None);
+    }
+
+    fn think(&mut self, purpose: Purpose) -> Option<Leg> {
         let view = self.view();
-        self.places.perceive(&LIMITS, &self.points, view);
+        let (places, points) = (&mut self.places, &self.points);
+        think(places, points, view, purpose, &self.goal, self.slice)
     }
 
     /// What a ring perceives there: 254 at its face, 0 from 4.5 m on.
@@ -103,8 +117,8 @@ impl<'a, const RECORDS: usize> Walker<'a, RECORDS> {
 
     /// A decision and its step; the leg, if there is one.
     fn step(&mut self, aim: Aim) -> Option<Leg> {
-        self.look();
-        let leg = self.places.lead(&LIMITS, &self.points, aim, &self.goal)?;
+        self.hear();
+        let leg = self.think(Purpose::Lead(aim))?;
         let step = leg.way.shortened(250);
         self.way_mm += f64::from(step.length_mm());
         self.points.moved(&PointLimits::NOMAD, step, Bearing::ZERO);
@@ -121,6 +135,25 @@ impl<'a, const RECORDS: usize> Walker<'a, RECORDS> {
         };
         let steps = (1..=200).find(|_| arrives(self));
         steps.expect("it arrives")
+    }
+}
+
+/// Thinks to the end, in slices.
+fn think<const RECORDS: usize, const POINTS: usize>(
+    places: &mut Places<16, RECORDS>,
+    points: &PointMemory<POINTS>,
+    view: [u8; 16],
+    purpose: Purpose,
+    goal: &Goal<16>,
+    slice: u16,
+) -> Option<Leg> {
+    places.begin(view, purpose);
+    loop {
+        assert!(places.is_thinking());
+        if let Poll::Ready(leg) = places.think(&LIMITS, points, Some(goal), slice) {
+            assert!(!places.is_thinking());
+            return leg;
+        }
     }
 }
 
@@ -213,10 +246,8 @@ fn a_robot_that_cannot_go_on_is_led_elsewhere() {
     let home = Aim::Position(Displacement::ZERO);
     let mut ways = std::vec::Vec::new();
     for _ in 0..60 {
-        walker.look();
-        let leg = walker
-            .places
-            .lead(&LIMITS, &walker.points, home, &walker.goal);
+        walker.hear();
+        let leg = walker.think(Purpose::Lead(home));
         ways.extend(leg.map(|leg| leg.way));
     }
     assert!(ways.iter().any(|way| *way != ways[0]), "{ways:?}");
@@ -235,6 +266,49 @@ fn the_leg_tells_how_much_room_it_leaves_and_whether_it_is_the_last() {
     assert!(!leg.is_last);
 }
 
+/// It goes where it has not been, back, and to a situation, with room for too few places.
+fn a_whole_way(slice: u16) -> (std::vec::Vec<Option<Leg>>, Places<16, 40>) {
+    let mut walker = Walker::<40>::new(&TWO_ROOMS, (-1_000.0, -1_400.0));
+    (walker.slice, walker.goal) = (slice, perceived(&walker.view()));
+    let aims = [
+        (Aim::Frontier, 90),
+        (Aim::Situation, 40),
+        (Aim::Position(to(2_000, 0)), 40),
+    ];
+    let mut legs = std::vec::Vec::new();
+    for (aim, steps) in aims {
+        walker.places.seek_anew();
+        legs.extend((0..steps).map(|_| walker.step(aim)));
+    }
+    (legs, walker.places)
+}
+
+#[test]
+fn it_does_not_depend_on_the_slices_what_it_thinks() {
+    let at_once = a_whole_way(u16::MAX);
+    assert!(at_once.0.iter().flatten().count() > 100);
+    for slice in [1, 3, 16] {
+        assert!(a_whole_way(slice) == at_once, "{slice}");
+    }
+}
+
+#[test]
+fn what_it_thinks_of_ends_when_it_is_told() {
+    let mut walker = Walker::<256>::new(&TWO_ROOMS, (-1_000.0, -1_400.0));
+    walker.look();
+    let (points, view) = (walker.points.clone(), walker.view());
+    let stops: [fn(&mut Places<16, 256>); 2] = [Places::stop_thinking, Places::forget];
+    for stop in stops {
+        walker.places.begin(view, Purpose::Stay);
+        let slice = walker.places.think(&LIMITS, &points, None, 1);
+        assert_eq!(slice, Poll::Pending);
+        stop(&mut walker.places);
+        assert!(!walker.places.is_thinking());
+        let slice = walker.places.think(&LIMITS, &points, None, 1);
+        assert_eq!(slice, Poll::Ready(None));
+    }
+}
+
 #[test]
 fn what_has_been_forgotten_is_unknown() {
     let mut walker = Walker::<256>::new(&TWO_ROOMS, (-1_000.0, -1_400.0));
@@ -248,16 +322,16 @@ fn what_has_been_forgotten_is_unknown() {
 fn a_full_memory_goes_on_with_what_it_has() {
     let mut points = PointMemory::<64>::new();
     let mut places = Places::<16, 2>::new();
+    let (view, goal) = ([255; 16], perceived(&[255; 16]));
     for _ in 0..5 {
-        places.perceive(&LIMITS, &points, [255; 16]);
+        think(&mut places, &points, view, Purpose::Perceive, &goal, 1);
         places.moved(to(500, 0));
         points.moved(&PointLimits::NOMAD, to(500, 0), Bearing::ZERO);
     }
     assert_eq!(places.positions().len(), 2);
     let mut none = Places::<16, 0>::new();
-    none.perceive(&LIMITS, &points, [255; 16]);
-    let goal = perceived(&[255; 16]);
-    assert_eq!(none.lead(&LIMITS, &points, Aim::Frontier, &goal), None);
+    let lead = Purpose::Lead(Aim::Frontier);
+    assert_eq!(think(&mut none, &points, view, lead, &goal, 1), None);
 }
 
 #[test]
@@ -394,7 +468,8 @@ fn only_what_shows_the_same_things_tells_where_it_is() {
     // Where it thinks that it is after this view, if it thought that it had gone so far.
     let located = |before: [u8; 16], thought_mm: i16, now: [u8; 16]| {
         let mut places = Places::<16, 4>::new();
-        places.perceive(&LIMITS, &PointMemory::<64>::new(), before);
+        let (points, goal) = (PointMemory::<64>::new(), perceived(&before));
+        think(&mut places, &points, before, Purpose::Perceive, &goal, 1);
         places.moved(to(thought_mm, 0));
         places.locate(ENCODING, &now);
         places.here().dx_mm

@@ -1,23 +1,35 @@
 //! Lengths of the ways from all places to the nearest source (Dijkstra 1959).
 
+use super::NOWHERE;
+
 /// What is not reached.
 const FAR: u16 = u16::MAX;
+/// No open way.
+const NO_WAY: u8 = u8::MAX;
 
-/// Cost and next step of a place.
+/// Cost and next step of a place. Six bytes: a robot has hundreds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Cell {
     cost_mm: u16,
-    next: Option<u16>,
-    /// The open way that a way ends with; `None` for the goal.
-    way: Option<u8>,
+    /// [`NOWHERE`] where the way ends.
+    next: u16,
+    /// The open way that a way ends with; [`NO_WAY`] for the goal.
+    way: u8,
     is_settled: bool,
 }
 
 impl Cell {
     const NEW: Self = Self {
         cost_mm: FAR,
-        next: None,
-        way: None,
+        next: NOWHERE,
+        way: NO_WAY,
+        is_settled: false,
+    };
+    /// All zeros: static memory that begins otherwise takes flash.
+    const ZERO: Self = Self {
+        cost_mm: 0,
+        next: 0,
+        way: 0,
         is_settled: false,
     };
 }
@@ -29,8 +41,9 @@ pub(super) struct Wavefront<const RECORDS: usize> {
 }
 
 impl<const RECORDS: usize> Wavefront<RECORDS> {
+    /// A wave that has not [begun](Self::begin).
     pub(super) const NEW: Self = Self {
-        cells: [Cell::NEW; RECORDS],
+        cells: [Cell::ZERO; RECORDS],
     };
 
     /// Forgets the last wave.
@@ -45,7 +58,7 @@ impl<const RECORDS: usize> Wavefront<RECORDS> {
         {
             *cell = Cell {
                 cost_mm,
-                way,
+                way: way.unwrap_or(NO_WAY),
                 ..Cell::NEW
             };
         }
@@ -69,7 +82,7 @@ impl<const RECORDS: usize> Wavefront<RECORDS> {
     /// From this place the way goes by the next one.
     pub(super) fn reach(&mut self, index: u16, cost_mm: u16, next: u16) {
         if let Some(cell) = self.cells.get_mut(usize::from(index)) {
-            (cell.cost_mm, cell.next, cell.way) = (cost_mm, Some(next), None);
+            (cell.cost_mm, cell.next, cell.way) = (cost_mm, next, NO_WAY);
         }
     }
 
@@ -81,12 +94,14 @@ impl<const RECORDS: usize> Wavefront<RECORDS> {
 
     /// The place after this one.
     pub(super) fn next(&self, index: u16) -> Option<u16> {
-        self.cells.get(usize::from(index))?.next
+        let next = self.cells.get(usize::from(index))?.next;
+        (next != NOWHERE).then_some(next)
     }
 
     /// The open way that a source was.
     pub(super) fn way_of(&self, index: u16) -> Option<u8> {
-        self.cells.get(usize::from(index))?.way
+        let way = self.cells.get(usize::from(index))?.way;
+        (way != NO_WAY).then_some(way)
     }
 
     /// Whether the way ends at this place, and not with an open way.

@@ -1,11 +1,11 @@
-//! A robot that pursues a goal is led by its memory of places.
+//! A robot that pursues a goal is led by its memory of places. To find the way takes longer than an
+//! event may wait: it is done in slices, and the decision comes with the last one.
 
 use super::{RingController, Robot, VirtualTurret};
 use crate::controller::{Command, Event, Outputs};
-use crate::fixed::Mask;
-use crate::memory;
-use crate::places::{Aim, Leg, PlaceLimits, Places};
-use crate::units::Range;
+use crate::memory::{self, SituationBytes};
+use crate::places::{Aim, PlaceLimits, Places, Purpose, SLICE};
+use core::task::Poll;
 
 impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
     VirtualTurret<SECTORS, POINTS, RECORDS>
@@ -14,6 +14,12 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
     #[must_use]
     pub const fn places(&self) -> &Places<SECTORS, RECORDS> {
         &self.places
+    }
+
+    /// Whether it has to think on before it decides.
+    #[must_use]
+    pub fn is_thinking(&self) -> bool {
+        RECORDS > 0 && self.places.is_thinking()
     }
 
     /// From now on a robot that pursues a goal is led there; `None`: it finds its way by the goal
@@ -44,30 +50,43 @@ where
         outputs
     }
 
-    /// The way to the next place, where the robot is to be led.
-    pub(super) fn next_leg(&mut self, ring: &[Option<Range>; SECTORS], known: Mask) -> Option<Leg> {
-        // A robot without places has no code for them.
-        if RECORDS == 0 {
-            return None;
+    /// Begins to think about the ring that it is to decide on.
+    pub(super) fn begin_to_think(&mut self) {
+        let turret = &mut *self.turret;
+        let situation = turret
+            .last_ring
+            .map(|range| self.config.encoding.value(range));
+        let view = memory::to_bytes(&situation, turret.known);
+        turret.places.locate(self.config.encoding, &view);
+        let purpose = self.purpose(&view);
+        self.turret.places.begin(view, purpose);
+    }
+
+    /// What its places are to do. To a situation it is led where it comes no nearer by itself.
+    fn purpose(&mut self, view: &SituationBytes<SECTORS>) -> Purpose {
+        let turret = &mut *self.turret;
+        let Some(goal) = self.controller.goal().filter(|_| turret.is_led) else {
+            return Purpose::Perceive;
+        };
+        match turret.aim {
+            Aim::Situation if !goal.is_place() => Purpose::Perceive,
+            Aim::Situation if turret.places.is_found(goal, view) => Purpose::Stay,
+            Aim::Situation if !self.controller.is_stuck() => Purpose::Search,
+            aim => Purpose::Lead(aim),
         }
+    }
+
+    /// Thinks on; with the last slice it decides.
+    pub(super) fn think(&mut self) -> Outputs<SECTORS> {
         let limits = PlaceLimits::of_body(self.kept_free_mm());
         let turret = &mut *self.turret;
-        let situation = ring.map(|range| self.config.encoding.value(range));
-        let view = memory::to_bytes(&situation, known);
-        turret.places.locate(self.config.encoding, &view);
-        turret.places.perceive(&limits, &turret.memory, view);
-        let goal = self.controller.goal().filter(|_| turret.is_led)?;
-        if turret.aim == Aim::Situation {
-            if !goal.is_place() {
-                return None;
-            }
-            // It is led where it comes no nearer by itself.
-            let is_here = turret.places.is_found(goal, &view);
-            if is_here || !self.controller.is_stuck() {
-                turret.places.searched(is_here);
-                return is_here.then_some(Leg::HERE);
-            }
+        let goal = self.controller.goal();
+        match turret.places.think(&limits, &turret.memory, goal, SLICE) {
+            Poll::Pending => Outputs::NONE,
+            Poll::Ready(leg) => self.decide_on(leg),
         }
-        (turret.places).lead(&limits, &turret.memory, turret.aim, goal)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,6 +1,6 @@
 use super::*;
 use crate::controller::{Command, NomadState};
-use crate::points::sector_at;
+use crate::points::{PointLimits, sector_at};
 use crate::som::Grid;
 use crate::units::Direction;
 

@@ -145,8 +145,9 @@ fn events() {
 
 fn bodies() {
     let mut state = any(NomadState::new(grid()));
-    let mut body = any(MountedSensors::<16, 16, 256, 0>::new());
+    let mut body = any(MountedSensors::<16, 16, 256, 256>::new());
     sink(body.handle(&config(), &mut state, now(), event()));
+    sink(body.think(&config(), &mut state, now()));
     sink(body.replace(bytes()));
     let mut room = any([0; MAX_CONFIG]);
     sink(body.to_bytes(&mut room));

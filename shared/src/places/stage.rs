@@ -1,0 +1,181 @@
+//! Thinking in parts: where the robot is, and which way it goes from there.
+
+use super::recall::{Sought, compared};
+use super::record::WAYS;
+use super::{Aim, Leg, NOWHERE, PlaceLimits, Places, Purpose, ROOMS_MM};
+use crate::goal::Goal;
+use crate::memory::SituationBytes;
+use crate::points::PointMemory;
+use crate::units::Displacement;
+use core::mem;
+use core::task::Poll;
+
+/// Steps that take a chip less than 168 000 instructions, with 256 places and 256 points: 1 ms of
+/// an STM32F405.
+pub const SLICE: u16 = 8;
+
+/// What comes next. The first one is all zeros: static memory that begins otherwise takes flash.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Stage {
+    /// Nothing.
+    Done,
+    /// The place where the robot is.
+    Place,
+    /// The free ways around it, from this one on.
+    FreeWays(u16),
+    /// The ends of those.
+    Frontiers,
+    /// What the robot is to do; a way that it knows needs no wave.
+    Purpose,
+    /// The places at which the wave begins, from this one on.
+    Sources(u16),
+    /// The wave from place to place.
+    Wave,
+    /// The places in sight, from this one on; the best before it.
+    Sight(u16, Candidate),
+}
+
+/// Length of the way by a place, and the place: less is better.
+pub(super) type Candidate = (u16, u16);
+/// None yet.
+pub(super) const NO_CANDIDATE: Candidate = (u16::MAX, NOWHERE);
+
+impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
+    /// Begins to think of a robot that stands or is about to decide again, and perceives this in
+    /// the frame of the start.
+    pub fn begin(&mut self, view: SituationBytes<SECTORS>, purpose: Purpose) {
+        (self.view, self.purpose, self.stage) = (view, purpose, Stage::Place);
+    }
+
+    /// Whether it has begun to think and has not come to an end.
+    #[must_use]
+    pub fn is_thinking(&self) -> bool {
+        self.stage != Stage::Done
+    }
+
+    /// Thinks no more of what it has begun with.
+    pub const fn stop_thinking(&mut self) {
+        self.stage = Stage::Done;
+    }
+
+    /// Does a part of the thinking: `steps` ways or places of what comes next. The result does not
+    /// depend on how many they are. Ready with the way to the next sub-goal; `None` where the robot
+    /// is not led or there is none: nothing is known yet, everything has been visited, or the
+    /// robot is where the situation may be found. `goal` is the situation that it pursues.
+    pub fn think<const POINTS: usize>(
+        &mut self,
+        limits: &PlaceLimits,
+        points: &PointMemory<POINTS>,
+        goal: Option<&Goal<SECTORS>>,
+        steps: u16,
+    ) -> Poll<Option<Leg>> {
+        let compared = goal.map(compared);
+        let sought = match (self.purpose, &compared) {
+            (Purpose::Lead(Aim::Position(position)), _) => Sought::Position(position),
+            (Purpose::Lead(Aim::Situation), Some(goal)) => Sought::Situation(goal),
+            _ => Sought::Nothing,
+        };
+        self.stage = match mem::replace(&mut self.stage, Stage::Done) {
+            Stage::Done => return Poll::Ready(None),
+            Stage::Place => self.find_place(limits),
+            Stage::FreeWays(first) => self.measure_ways(limits, points, first, steps),
+            Stage::Frontiers => self.find_frontiers(limits),
+            Stage::Purpose => match self.purpose {
+                Purpose::Perceive => return Poll::Ready(None),
+                Purpose::Search | Purpose::Stay => return Poll::Ready(self.searched()),
+                Purpose::Lead(_) => {
+                    if let Some(way) = self.known_way(limits, points, sought) {
+                        return Poll::Ready(Some(self.leg(limits, points, way)));
+                    }
+                    self.wavefront.begin();
+                    Stage::Sources(0)
+                }
+            },
+            Stage::Sources(first) => self.begin_wave(limits, sought, first, steps),
+            Stage::Wave => self.spread(limits, steps),
+            Stage::Sight(first, best) if usize::from(first) < self.graph.records().len() => {
+                self.look(limits, points, (first, best), steps)
+            }
+            Stage::Sight(_, best) => {
+                let way = self.new_way(limits, points, sought, best);
+                return Poll::Ready(way.map(|way| self.leg(limits, points, way)));
+            }
+        };
+        Poll::Pending
+    }
+
+    fn find_place(&mut self, limits: &PlaceLimits) -> Stage {
+        if let Some(merged) = self.graph.thin_out(limits) {
+            self.current = self.current.map(|place| merged.renumbered(place));
+            // What they were to lead to is looked for anew.
+            (self.frontier, self.target) = (None, None);
+        }
+        let Some(index) = self.graph.place_at(limits, self.here, &self.view) else {
+            return Stage::Purpose;
+        };
+        if let Some(before) = self.current.filter(|before| *before != index) {
+            self.graph.went(before, index);
+        }
+        self.current = Some(index);
+        if self.graph.complete(index, self.here, &self.view) {
+            Stage::FreeWays(0)
+        } else {
+            Stage::Purpose
+        }
+    }
+
+    fn measure_ways<const POINTS: usize>(
+        &mut self,
+        limits: &PlaceLimits,
+        points: &PointMemory<POINTS>,
+        first: u16,
+        steps: u16,
+    ) -> Stage {
+        let last = first.saturating_add(steps).min(WAYS as u16);
+        if let Some(current) = self.current {
+            for way in first..last {
+                self.graph
+                    .measure(limits, points, current, self.here, way.into());
+            }
+        }
+        if usize::from(last) < WAYS {
+            Stage::FreeWays(last)
+        } else {
+            Stage::Frontiers
+        }
+    }
+
+    fn find_frontiers(&mut self, limits: &PlaceLimits) -> Stage {
+        if let Some(current) = self.current {
+            self.graph.find_frontiers(limits, current);
+        }
+        Stage::Purpose
+    }
+
+    /// The situation that it seeks is found here, or sought here in vain.
+    fn searched(&mut self) -> Option<Leg> {
+        let is_found = self.purpose == Purpose::Stay;
+        if let Some(current) = self.current {
+            self.graph.searched(current, is_found);
+        }
+        is_found.then_some(Leg::HERE)
+    }
+
+    fn leg<const POINTS: usize>(
+        &self,
+        limits: &PlaceLimits,
+        points: &PointMemory<POINTS>,
+        way: Displacement,
+    ) -> Leg {
+        let fits = |room_mm: &u16| {
+            let radius_mm = limits.radius_mm.saturating_add(*room_mm);
+            points.free_mm(way, radius_mm) >= way.length_mm()
+        };
+        let end = Aim::Position(self.here.plus(way));
+        Leg {
+            way,
+            room_mm: ROOMS_MM.into_iter().find(fits).unwrap_or(0),
+            is_last: self.purpose == Purpose::Lead(end),
+        }
+    }
+}
