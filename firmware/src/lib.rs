@@ -43,6 +43,9 @@ pub mod uart;
 /// Sensors anywhere on a body, at most 16: with the feature `any-body` of a board.
 pub type AnyBody = amp::body::MountedSensors<16, 16, 256, 0>;
 
+/// The same with a memory of 256 places: with the feature `places` of a board.
+pub type AnyBodyWithPlaces = amp::body::MountedSensors<16, 16, 256, 256>;
+
 /// Commit of this build, eight characters; the package version where there is no commit.
 pub const BUILD: [u8; 8] = match env!("FIRMWARE_BUILD").as_bytes().first_chunk() {
     Some(name) => *name,

@@ -14,7 +14,9 @@ use riscv_rt::entry;
 const AWAKE_MS: u32 = 100;
 
 /// What the program is for.
-#[cfg(feature = "any-body")]
+#[cfg(feature = "places")]
+type RobotBody = firmware::AnyBodyWithPlaces;
+#[cfg(all(feature = "any-body", not(feature = "places")))]
 type RobotBody = firmware::AnyBody;
 #[cfg(not(feature = "any-body"))]
 type RobotBody = amp::body::HeldRing;

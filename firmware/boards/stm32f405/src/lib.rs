@@ -21,7 +21,10 @@
 extern crate std;
 
 /// What the program is for.
-#[cfg(feature = "any-body")]
+#[cfg(feature = "places")]
+pub type RobotBody = firmware::AnyBodyWithPlaces;
+/// What the program is for.
+#[cfg(all(feature = "any-body", not(feature = "places")))]
 pub type RobotBody = firmware::AnyBody;
 /// What the program is for.
 #[cfg(not(feature = "any-body"))]

@@ -23,7 +23,9 @@ impl Machine {
     /// Folder below `target` for its image: programs with other features have the same name.
     #[must_use]
     pub fn target_folder(&self) -> &'static str {
-        if self.features.contains("any-body") {
+        if self.features.contains("places") {
+            "qemu-places"
+        } else if self.features.contains("any-body") {
             "qemu-any-body"
         } else {
             "qemu"
@@ -44,6 +46,12 @@ impl Machine {
     /// The same, for sensors anywhere on the body.
     pub const OLIMEX_H405_ANY_BODY: Self = Self {
         features: "qemu,any-body",
+        ..Self::OLIMEX_H405
+    };
+
+    /// The same, with a memory of places.
+    pub const OLIMEX_H405_PLACES: Self = Self {
+        features: "qemu,places",
         ..Self::OLIMEX_H405
     };
 
@@ -79,6 +87,12 @@ impl Machine {
     /// The same, for sensors anywhere on the body.
     pub const RISCV32_VIRT_ANY_BODY: Self = Self {
         features: "any-body",
+        ..Self::RISCV32_VIRT
+    };
+
+    /// The same, with a memory of places.
+    pub const RISCV32_VIRT_PLACES: Self = Self {
+        features: "places",
         ..Self::RISCV32_VIRT
     };
 }

@@ -36,6 +36,12 @@ pub const OLIMEX_H405_ANY_BODY: BoardImage = BoardImage {
     ..OLIMEX_H405
 };
 
+/// And with a memory of places.
+pub const OLIMEX_H405_PLACES: BoardImage = BoardImage {
+    features: "places",
+    ..OLIMEX_H405
+};
+
 /// The board with the least memory.
 pub const MICROBIT: BoardImage = BoardImage {
     package: "microbit",

@@ -3,7 +3,7 @@
 use checks::{CountRow, TARGET, cargo, rows, workspace};
 
 /// Limits by the start of a row: instructions, mean and of the longest call.
-const BUDGETS: [(&str, u64, u64); 11] = [
+const BUDGETS: [(&str, u64, u64); 15] = [
     ("best-matching unit, 16 × 16, by kernels", 500, 500),
     ("situation map learns, winner and 4 neighbors", 450, 450),
     (
@@ -19,6 +19,11 @@ const BUDGETS: [(&str, u64, u64); 11] = [
     ("**learning**", 30_000_000, 30_000_000),
     ("body: echo at rest", 20_000, 28_400),
     ("body: of an echo, keeping", 20_000, 21_800),
+    // 1 ms of an STM32F405, and 60 ms.
+    ("places: a slice", 168_000, 168_000),
+    ("places: a slice that decides", 168_000, 168_000),
+    ("places: last echo of the ring", 168_000, 168_000),
+    ("places: all slices, led", 10_000_000, 10_000_000),
 ];
 
 fn table(package: &str) -> String {
@@ -35,7 +40,7 @@ fn table(package: &str) -> String {
 #[test]
 fn no_call_takes_more_instructions_than_allowed() {
     let table = table("counts");
-    within_bounds(&table, 30);
+    within_bounds(&table, 36);
     let rows = rows(&table);
     for (call, mean, most) in BUDGETS {
         let row = rows.iter().find(|row| row.call.starts_with(call));

@@ -2,7 +2,9 @@
 //!
 //! `FIRMWARE_ELF` names another image to measure as the first.
 
-use checks::{ImageSizes, OLIMEX_H405, OLIMEX_H405_ANY_BODY, board_image, image, sizes};
+use checks::{
+    ImageSizes, OLIMEX_H405, OLIMEX_H405_ANY_BODY, OLIMEX_H405_PLACES, board_image, image, sizes,
+};
 use std::path::Path;
 
 const KIB: u64 = 1_024;
@@ -22,6 +24,13 @@ const ANY_BODY_LIMITS: ImageSizes = ImageSizes {
     ..LIMITS
 };
 
+/// And with a memory of 256 places.
+const PLACES_LIMITS: ImageSizes = ImageSizes {
+    flash: 128 * KIB,
+    ram: 48 * KIB,
+    ..LIMITS
+};
+
 // One after the other: the images replace each other.
 #[test]
 fn the_firmware_fits_its_budgets() {
@@ -31,6 +40,7 @@ fn the_firmware_fits_its_budgets() {
         &image(&OLIMEX_H405_ANY_BODY),
         &ANY_BODY_LIMITS,
     );
+    check(", places", &image(&OLIMEX_H405_PLACES), &PLACES_LIMITS);
     // Other tests examine this one.
     let _ = image(&OLIMEX_H405);
 }

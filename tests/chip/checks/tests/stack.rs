@@ -3,7 +3,7 @@
 //! It assumes that each task is interrupted at its deepest by each task of higher priority.
 
 use checks::stack::{Calls, Deepest};
-use checks::{MICROBIT, OLIMEX_H405_ANY_BODY, board_image, image};
+use checks::{MICROBIT, OLIMEX_H405_ANY_BODY, OLIMEX_H405_PLACES, board_image, image};
 use std::path::{Path, PathBuf};
 
 /// The tasks of a board and its stack.
@@ -32,6 +32,11 @@ const F405_LOAD: Load = Load {
 /// The same for sensors anywhere on the body.
 const F405_ANY_BODY_LOAD: Load = Load {
     name: "F405, any body",
+    ..F405_LOAD
+};
+/// And with a memory of places.
+const F405_PLACES_LOAD: Load = Load {
+    name: "F405, places",
     ..F405_LOAD
 };
 /// No floating-point unit (ARMv6-M Architecture Reference Manual, B1.5.6). Region: microbit.x.
@@ -92,8 +97,12 @@ fn check(load: &Load, calls: &Calls, beneath: u32, alone: u32) {
 fn the_deepest_stack_of_the_f405_stays_within_its_region() {
     // One after the other: the images replace each other.
     let any_body = || image(&OLIMEX_H405_ANY_BODY);
-    let images: [(Load, &dyn Fn() -> PathBuf); 2] =
-        [(F405_ANY_BODY_LOAD, &any_body), (F405_LOAD, &board_image)];
+    let places = || image(&OLIMEX_H405_PLACES);
+    let images: [(Load, &dyn Fn() -> PathBuf); 3] = [
+        (F405_ANY_BODY_LOAD, &any_body),
+        (F405_PLACES_LOAD, &places),
+        (F405_LOAD, &board_image),
+    ];
     for (load, image) in images {
         let calls = calls(&image());
         print_frames(&calls, &deepest(&calls, "FSMC"));

@@ -8,6 +8,7 @@ use amp::config::Config;
 use amp::controller::{Command, Event, Mode};
 use amp::fixed::Mask;
 use amp::goal::Goal;
+use amp::places::Aim;
 use amp::points::PointLimits;
 use amp::turret::{BodySpec, Mount};
 use amp::units::{Bearing, Displacement};
@@ -18,7 +19,7 @@ const DECISIONS: usize = 32;
 const MOVES: u16 = 20;
 
 /// A body in static memory: it is too large for the stack.
-pub type Sensors = MountedSensors<16, 16, 256, 0>;
+pub type Sensors<const RECORDS: usize> = MountedSensors<16, 16, 256, RECORDS>;
 
 /// Instructions by kind of event.
 #[derive(Default)]
@@ -34,7 +35,7 @@ pub struct BodyCounts {
 }
 
 /// Runs the whole episode.
-pub fn episode(watch: &Stopwatch, body: &mut Sensors) -> BodyCounts {
+pub fn episode<const RECORDS: usize>(watch: &Stopwatch, body: &mut Sensors<RECORDS>) -> BodyCounts {
     body.tell(&spec());
     let config = Config {
         shield: None,
@@ -55,8 +56,8 @@ pub fn episode(watch: &Stopwatch, body: &mut Sensors) -> BodyCounts {
     }
 }
 
-struct BodyEpisode<'a> {
-    robot: DrivenRobot<'a, Sensors>,
+struct BodyEpisode<'a, const RECORDS: usize> {
+    robot: DrivenRobot<'a, Sensors<RECORDS>>,
     counts: BodyCounts,
 }
 
@@ -81,7 +82,7 @@ fn spec() -> BodySpec<16> {
     }
 }
 
-impl BodyEpisode<'_> {
+impl<const RECORDS: usize> BodyEpisode<'_, RECORDS> {
     fn find_sensors(&mut self) {
         self.robot.send(|| {
             Event::Command(Command::Calibrate {
@@ -126,6 +127,7 @@ impl BodyEpisode<'_> {
 
     fn seek(&mut self) {
         let goal = Goal::avoiding(&self.robot.config);
+        self.robot.body.lead_to(Some(Aim::Frontier));
         self.robot.send(|| Event::Command(Command::Seek(goal)));
         for _ in 0..DECISIONS {
             let (instructions, out) = self.robot.ring();

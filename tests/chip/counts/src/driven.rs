@@ -19,6 +19,8 @@ pub struct EventCounts {
     pub on_the_way: InstructionStats,
     /// Report of the base.
     pub odometry: InstructionStats,
+    /// Slice of the thinking before a decision.
+    pub slice: InstructionStats,
 }
 
 /// A robot with 16 transducers that do not turn.
@@ -102,15 +104,24 @@ impl<'a, B: Body<16>> DrivenRobot<'a, B> {
         })
     }
 
-    /// Passes an event to the body. It is built inside the counted call, from values that are
-    /// unknown to the compiler.
+    /// Passes an event to the body, and lets it think to the end. The event is built inside the
+    /// counted call, from values that are unknown to the compiler.
     #[inline(always)]
     pub fn send(&mut self, event: impl FnOnce() -> Event<16>) -> (u32, Outputs<16>) {
         let (config, state, body) = (&self.config, &mut self.state, &mut *self.body);
         let at = Millis::from_ms(self.time);
-        self.watch.count(|| {
-            let (config, state) = (black_box(config), black_box(state));
-            black_box(body).handle(config, state, black_box(at), event())
-        })
+        let (instructions, mut outputs) = self.watch.count(|| {
+            let (config, state) = (black_box(config), black_box(&mut *state));
+            black_box(&mut *body).handle(config, state, black_box(at), event())
+        });
+        while body.is_thinking() {
+            let (slice, decided) = self.watch.count(|| {
+                let (config, state) = (black_box(config), black_box(&mut *state));
+                black_box(&mut *body).think(config, state, black_box(at))
+            });
+            self.counts.slice.add(slice);
+            outputs = decided;
+        }
+        (instructions, outputs)
     }
 }

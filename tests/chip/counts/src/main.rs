@@ -15,6 +15,8 @@ mod link;
 #[cfg(target_os = "none")]
 mod maps;
 #[cfg(target_os = "none")]
+mod places;
+#[cfg(target_os = "none")]
 mod points;
 #[cfg(target_os = "none")]
 mod reference;

@@ -5,7 +5,7 @@
 
 use crate::episode::CountedEpisode;
 use crate::stopwatch::{InstructionStats, Stopwatch};
-use crate::{body, link, maps, points, reference};
+use crate::{body, link, maps, places, points, reference};
 use amp::body::HeldRing;
 use amp::config::Config;
 use amp::controller::NomadState;
@@ -18,8 +18,12 @@ use stm32f4xx_hal as _;
 
 #[entry]
 fn main() -> ! {
-    static mut SENSORS: body::Sensors = body::Sensors::new();
-    let sensors: &'static mut body::Sensors = SENSORS;
+    static mut SENSORS: body::Sensors<0> = body::Sensors::new();
+    static mut LED: body::Sensors<256> = body::Sensors::new();
+    static mut MAP: places::Map = places::Map::new();
+    let sensors: &'static mut body::Sensors<0> = SENSORS;
+    let led: &'static mut body::Sensors<256> = LED;
+    let map: &'static mut places::Map = MAP;
     let chip = cortex_m::Peripherals::take().expect("not taken yet");
     let watch = Stopwatch::new(chip.SYST);
     reference::compare();
@@ -31,12 +35,18 @@ fn main() -> ! {
     print_episode(&episode);
     print_link(&watch, &episode);
     print_body(&watch, &body::episode(&watch, sensors));
+    print_places(&places::count(&watch, map), &body::episode(&watch, led));
     hprintln!();
     hprintln!("| what | bytes |");
     hprintln!("| --- | ---: |");
     hprintln!("| `NomadState` | {} |", size_of::<NomadState>());
     hprintln!("| `NomadNode` | {} |", size_of::<NomadNode>());
-    hprintln!("| `MountedSensors` | {} |", size_of::<body::Sensors>());
+    let (body, led) = (
+        size_of::<body::Sensors<0>>(),
+        size_of::<body::Sensors<256>>(),
+    );
+    hprintln!("| `MountedSensors` | {body} |");
+    hprintln!("| `MountedSensors` with 256 places | {led} |");
     debug::exit(debug::EXIT_SUCCESS);
     loop {
         cortex_m::asm::wfi();
@@ -138,6 +148,23 @@ fn print_body(watch: &Stopwatch, counts: &body::BodyCounts) {
     let mut whole = InstructionStats::default();
     whole.add(counts.step.sum());
     row("body: all steps", whole, 122_100_000);
+}
+
+fn print_places(counts: &places::PlaceCounts, body: &body::BodyCounts) {
+    row("places: where the robot is", counts.locate, 15_200);
+    row(
+        "places: a slice, with 256 places and points",
+        counts.slice,
+        119_400,
+    );
+    row("places: all slices, not led", counts.perceive, 408_200);
+    row("places: all slices, led", counts.lead, 5_624_400);
+    row("places: last echo of the ring", body.decision, 115_800);
+    row(
+        "places: a slice that decides, or one before it",
+        body.events.slice,
+        79_100,
+    );
 }
 
 fn row(call: &str, stats: InstructionStats, allowed: u32) {
