@@ -2,16 +2,16 @@
 //! same bytes.
 
 use crate::chip::{EmulatedChip, RecordedBytes, SESSION, TIMEOUT, dimensions, packed};
-use amp::body::{Body, HeldRing};
+use amp::body::{Body, HeldRing, MountedSensors};
 use amp::config::{Config, MAX_CONFIG};
 use amp::controller::{Event, Outputs};
+use amp::goal::Name;
 use amp::units::Millis;
 use amp::wire::frame::{self, Header};
 use amp::wire::message::{
     Clock, DeviceMessage, GoalSpec, HostHello, HostMessage, MAX_CHUNK, ModeReport, Report,
     RobotCommand, TimedEcho, TransferPart,
 };
-use firmware::AnyBody;
 use firmware::control::RobotNode;
 use sim::episode::Body as SimulatedBody;
 use sim::pilot::Pilot;
@@ -37,6 +37,8 @@ pub struct NodeTwin<B = HeldRing> {
     /// Echoes are sent as whole rings, as from sonars that measure at once.
     rings: bool,
     echoes: heapless::Vec<TimedEcho, 16>,
+    /// The most slices of thinking before a decision.
+    longest_thought: usize,
 }
 
 impl NodeTwin {
@@ -47,11 +49,13 @@ impl NodeTwin {
     }
 }
 
-impl NodeTwin<AnyBody> {
+impl<const RECORDS: usize> NodeTwin<MountedSensors<16, 16, 256, RECORDS>> {
     /// A chip and a node that are told of a robot and its body.
     #[must_use]
     pub fn of_robot(chip: EmulatedChip, robot: &AnyRobot, rings: bool) -> Self {
-        let mut twin = Self::with(chip, BEHIND, rings);
+        // A frame that arrives while the chip thinks is answered before the decision.
+        let behind = if RECORDS == 0 { BEHIND } else { 0 };
+        let mut twin = Self::with(chip, behind, rings);
         let config = robot.config(Config::recommended());
         twin.write(TransferPart::Config, config.to_bytes(&mut [0; MAX_CONFIG]));
         let body = robot.body();
@@ -77,6 +81,7 @@ impl<B: Body<16>> NodeTwin<B> {
             compared: 0,
             rings,
             echoes: heapless::Vec::new(),
+            longest_thought: 0,
         };
         let hello = twin.chip.open(SESSION, Clock::Host);
         let identity = amp::node::Identity {
@@ -110,6 +115,12 @@ impl<B: Body<16>> NodeTwin<B> {
     #[must_use]
     pub const fn compared(&self) -> usize {
         self.compared
+    }
+
+    /// The most slices of thinking before a decision.
+    #[must_use]
+    pub const fn longest_thought(&self) -> usize {
+        self.longest_thought
     }
 
     /// The node on the host.
@@ -192,6 +203,12 @@ impl<B: Body<16>> NodeTwin<B> {
         }
     }
 
+    /// Saves the goal of both under a name.
+    pub fn save_goal(&mut self, name: Name) {
+        self.send(&HostMessage::SaveGoal { name });
+        self.settle(0);
+    }
+
     /// Lets both seek a goal.
     pub fn seek(&mut self, goal: GoalSpec<16>) {
         self.command(RobotCommand::Goal(goal));
@@ -262,6 +279,12 @@ impl<B: Body<16>> NodeTwin<B> {
         let mut said = RecordedBytes::default();
         let (_, coded) = bytes.split_last().expect("a frame");
         self.local.frame(Millis::from_ms(0), coded, &mut said);
+        let mut slices = 0;
+        while self.local.body().is_thinking() {
+            let _ = self.local.tick(Millis::from_ms(0), &mut said);
+            slices += 1;
+        }
+        self.longest_thought = self.longest_thought.max(slices);
         let reports = reports(&said.0);
         self.awaited.extend(said.0);
         reports

@@ -14,6 +14,7 @@ mod chip_faults;
 mod chip_flash;
 mod chip_host;
 mod chip_link;
+mod chip_places;
 mod chip_python;
 mod chip_twin;
 mod compare;

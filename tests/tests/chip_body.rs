@@ -5,6 +5,7 @@ use amp::wire::message::{GoalSpec, RobotCommand};
 use arena::robot_model::RobotModel;
 use arena::sonar::SonarModel;
 use arena::world::World;
+use firmware::AnyBody;
 use remote::link::{Machine, build_image};
 use sim::episode::Body;
 use sim::robot::{AnyRobot, Origin, Ranges};
@@ -30,7 +31,7 @@ fn episode(machine: &Machine) -> u32 {
     let world = World::random(ROOM);
     let image = build_image(machine).unwrap_or_else(|error| panic!("{error}"));
     let chip = EmulatedChip::start_on(machine, &image);
-    let mut twin = NodeTwin::of_robot(chip, &robot, false);
+    let mut twin = NodeTwin::<AnyBody>::of_robot(chip, &robot, false);
     let mut body = Body::of_robot(&world, &robot, SonarModel::Ideal, ROOM);
     twin.command(RobotCommand::Calibrate {
         moves: 20,

@@ -1,0 +1,74 @@
+//! A memory of places on the chip: the firmware in emulated chips, which thinks in slices between
+//! events, leads a robot as the crate on this machine does, to the byte.
+
+use amp::goal::Name;
+use amp::wire::message::{GoalSpec, RobotCommand};
+use arena::robot_model::RobotModel;
+use arena::sonar::SonarModel;
+use arena::world::World;
+use firmware::AnyBodyWithPlaces;
+use remote::link::{Machine, build_image};
+use sim::episode::Body;
+use sim::robot::{AnyRobot, Ranges};
+use tests::chip::EmulatedChip;
+use tests::twin::NodeTwin;
+
+/// The world, and the seed of everything.
+const WORLD: u64 = 3;
+/// Decisions towards each goal.
+const DECISIONS: usize = 40;
+/// It is nowhere: where the robot comes no nearer it is led to where it has not been.
+const NOWHERE: [u8; 16] = [
+    200, 20, 200, 20, 200, 20, 200, 20, 200, 20, 200, 20, 200, 20, 200, 20,
+];
+/// Slices of a decision that needs no way.
+const PERCEIVES: usize = 8;
+
+/// Explores, learns, drives away, is led, seeks its nest; returns the peak of the stack.
+fn episode(machine: &Machine) -> u32 {
+    let model = RobotModel::builtin("p3dx").expect("built in");
+    let robot = AnyRobot::new(model, Ranges::Nomad, true).expect("16 sensors");
+    let world = World::random2(WORLD);
+    let image = build_image(machine).unwrap_or_else(|error| panic!("{error}"));
+    let chip = EmulatedChip::start_on(machine, &image);
+    let mut twin = NodeTwin::<AnyBodyWithPlaces>::of_robot(chip, &robot, true);
+    let mut body = Body::of_robot(&world, &robot, SonarModel::Ideal, WORLD);
+    twin.command(RobotCommand::Explore {
+        moves: 40,
+        seed: WORLD,
+    });
+    twin.finish(&mut body);
+    twin.learn();
+    let nest = Name::new("nest").expect("a name");
+    twin.command(RobotCommand::Goal(GoalSpec::Perceived));
+    twin.save_goal(nest);
+    twin.seek(GoalSpec::Avoid);
+    twin.decide(&mut body, DECISIONS);
+    assert!(twin.longest_thought() <= PERCEIVES);
+    for goal in [GoalSpec::Situation(NOWHERE), GoalSpec::Saved(nest)] {
+        twin.seek(goal);
+        twin.decide(&mut body, DECISIONS);
+    }
+    let (slices, bytes) = (twin.longest_thought(), twin.compared());
+    let places = twin.local().body().turret().places().positions().len();
+    let peak = twin.stack_peak_bytes();
+    println!(
+        "{}: {bytes} bytes the same; {places} places; a decision takes {slices} slices at most; peak of the stack {peak} bytes",
+        machine.target
+    );
+    assert!(slices > 2 * PERCEIVES, "it was never led");
+    assert!(places > 10, "{places} places");
+    assert!(bytes >= 20_000, "{bytes} bytes");
+    peak
+}
+
+#[test]
+fn a_pioneer_led_by_its_places_is_the_same_to_the_byte() {
+    let peak = episode(&Machine::OLIMEX_H405_PLACES);
+    assert!((200..=4_608).contains(&peak), "{peak} bytes of stack");
+}
+
+#[test]
+fn and_on_a_riscv() {
+    episode(&Machine::RISCV32_VIRT_PLACES);
+}
