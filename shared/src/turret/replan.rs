@@ -11,6 +11,7 @@ use crate::units::{Bearing, Range};
 const MAX_LOOKS: u8 = 3;
 /// The body counts as turned towards its way within this angle: 7.5°.
 const TURNED: u16 = 65_536_u32.div_ceil(48) as u16;
+
 impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
     VirtualTurret<SECTORS, POINTS, RECORDS>
 {
