@@ -251,6 +251,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
+    /// Whether its memory of places led it at the last decision.
+    #[must_use]
+    pub const fn is_led(&self) -> bool {
+        self.is_led
+    }
+
     /// The fault detector.
     #[must_use]
     pub const fn detector(&self) -> &Detector<SENSORS> {

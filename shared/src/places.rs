@@ -210,6 +210,63 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         self.graph.records().iter().map(|record| record.at)
     }
 
+    /// Pairs of places between which the robot went, each once. A number counts
+    /// [`positions`](Self::positions).
+    pub fn links(&self) -> impl Iterator<Item = (u16, u16)> {
+        let links = self.graph.numbered().flat_map(|(from, record)| {
+            let to = record
+                .links()
+                .filter_map(|to| Some((to, self.graph.get(to)?)));
+            // A place forgets its oldest links: the other one may still have this one.
+            to.filter(move |(to, other)| from < *to || !other.was_gone_to(from))
+                .map(move |(to, _)| (from, to))
+        });
+        links
+    }
+
+    /// Pairs of places between which the way has proved blocked, each once, as of
+    /// [`links`](Self::links).
+    pub fn blocked(&self) -> impl Iterator<Item = (u16, u16)> {
+        let pairs = self.graph.blocked();
+        pairs.filter(|(from, to)| from < to)
+    }
+
+    /// Frontiers: the place from which each open way leads, and where it ends, from the start.
+    pub fn frontiers(&self) -> impl Iterator<Item = [Displacement; 2]> {
+        self.graph.records().iter().flat_map(|record| {
+            let ways = record.frontiers();
+            ways.map(|way| [record.at, record.end_of(way.into())])
+        })
+    }
+
+    /// The way on which [`think`](Self::think) led with this aim the last time, from the start: the
+    /// next sub-goal, the places after it, and the goal or the end of an open way.
+    pub fn plan(&self, aim: Aim) -> impl Iterator<Item = Displacement> {
+        let goal = match aim {
+            Aim::Position(position) => Some(position),
+            Aim::Frontier | Aim::Situation => None,
+        };
+        let place = |index: u16| self.graph.get(index);
+        let target = self.target;
+        let first = target
+            .map(|target| target.record)
+            .filter(|first| place(*first).is_some());
+        let end = match (first, target) {
+            (Some(first), _) => {
+                let (last, way) = self.wavefront.end_of_way(first);
+                let open = way.and_then(|way| Some(place(last)?.end_of(way.into())));
+                open.or(goal)
+            }
+            (None, Some(target)) => Some(target.position),
+            // It sees the goal.
+            (None, None) => goal,
+        };
+        let next = |index: &u16| self.wavefront.next(*index);
+        // No way is longer than all places.
+        let indices = core::iter::successors(first, next).take(RECORDS);
+        indices.filter_map(place).map(|record| record.at).chain(end)
+    }
+
     /// The robot has moved, in the frame of the start.
     pub fn moved(&mut self, moved: Displacement) {
         self.here = self.here.plus(moved);

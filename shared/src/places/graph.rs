@@ -278,6 +278,11 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
         }
     }
 
+    /// Blocked ways, each from both of its ends.
+    pub(super) fn blocked(&self) -> impl Iterator<Item = (u16, u16)> {
+        self.blocked.iter().copied()
+    }
+
     pub(super) fn is_blocked(&self, from: u16, to: u16) -> bool {
         self.blocked.contains(&(from, to))
     }

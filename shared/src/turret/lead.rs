@@ -5,6 +5,7 @@ use super::{RingController, Robot, VirtualTurret};
 use crate::controller::{Command, Event, Outputs};
 use crate::memory::{self, SituationBytes};
 use crate::places::{Aim, PlaceLimits, Places, Purpose, SLICE};
+use crate::units::Displacement;
 use core::task::Poll;
 
 impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
@@ -20,6 +21,13 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
     #[must_use]
     pub fn is_thinking(&self) -> bool {
         RECORDS > 0 && self.places.is_thinking()
+    }
+
+    /// The way that it was led last, as of [`Places::plan`]; nothing if it is not to be led. Whether
+    /// it is led now tells [`State::is_led`](crate::controller::State::is_led).
+    pub fn plan(&self) -> impl Iterator<Item = Displacement> {
+        let aim = self.is_led.then_some(self.aim);
+        aim.into_iter().flat_map(|aim| self.places.plan(aim))
     }
 
     /// From now on a robot that pursues a goal is led there; `None`: it finds its way by the goal
