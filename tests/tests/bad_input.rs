@@ -80,7 +80,14 @@ const CASES: &[Case] = &[
     ("run --behavior home --log a.mcap", &["--log", "home"]),
     ("run --behavior home --mind qemu", &["--mind", "home"]),
     ("run --robot p3dx --tour 5", &["--tour", "home"]),
-    ("view --robot p3dx --behavior home", &["home", "run --out"]),
+    (
+        "view --robot p3dx --behavior home --places off",
+        &["home", "--places off"],
+    ),
+    (
+        "view --nomad tcp:127.0.0.1:1 --behavior home",
+        &["home", "--nomad"],
+    ),
     ("run --robot gone", &["gone", "p3dx"]),
     ("run --robot gone.toml", &["gone.toml"]),
     ("run --robot p3dx --geometry lerned", &["lerned", "learned"]),

@@ -22,6 +22,9 @@ const RECORDS: usize = 256;
 /// A robot's body as the controller in this process has it, as large as on the chip.
 pub type SimBody = MountedSensors<16, MAX_BEAMS, POINTS, RECORDS>;
 
+/// What such a controller knows of its surroundings.
+pub type SimTurret = VirtualTurret<16, POINTS, RECORDS>;
+
 /// The controller in this process, of a robot whose sensors stand anywhere.
 pub struct TurretController {
     config: Config<16>,
@@ -78,6 +81,12 @@ impl TurretController {
     #[must_use]
     pub fn ring(&self) -> &[Option<Range>; 16] {
         self.body.turret().ring()
+    }
+
+    /// Points and places, if the places lead it to goals.
+    #[must_use]
+    pub fn led_turret(&self) -> Option<&SimTurret> {
+        self.is_led.then(|| self.body.turret())
     }
 
     /// The body as it is known; while it finds its sensors, as far as it has found them.

@@ -9,8 +9,9 @@ use amp::config::Config;
 use amp::wire::message::Clock;
 use clap::{Args, ValueEnum as _};
 use files::error::BadInput;
-use remote::link::Address;
+use remote::link::{Address, ControllerPlace};
 use remote::log;
+use sim::robot::AnyRobot;
 use std::io::Write;
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -30,11 +31,15 @@ Open the printed address in a browser. Ctrl-C ends the program.
   host-sim view --mind qemu                  the controller in an emulated chip
   host-sim view --robot p3dx --geometry learned --scramble 1
                                              a robot that finds its sensors
+  host-sim view --places on --behavior home  a memory of places leads the robot home
   host-sim view --replay wall.mcap           a log
   host-sim view --nomad tcp:robot:65001      a Nomad 200
   host-sim view --board serial:/dev/ttyUSB0  a board with its own ring and base
 
 The address with its token permits to steer, one page at a time; others watch. The token is new for each run.";
+
+const NO_PLACES: &str = "--behavior home: only in the simulator, with a memory of places in this \
+    process (not --places off, --mind, --nomad or --board)";
 
 /// Flags of the `view` command.
 #[derive(Debug, Clone, Args)]
@@ -131,6 +136,10 @@ fn source(args: &ViewArgs) -> Result<Box<dyn ViewSource>, BadInput> {
     if let Some(path) = &args.replay {
         return Ok(Box::new(WatchedLog::new(&log::read(path)?)?));
     }
+    let is_device = args.nomad.is_some() || args.board.is_some();
+    if is_device && args.setup.task().behavior.needs_places() {
+        return Err(BadInput::new(NO_PLACES));
+    }
     match (&args.nomad, &args.board) {
         (Some(robot), _) => nomad(args, robot),
         (None, Some(address)) => board(args, address),
@@ -173,6 +182,10 @@ fn simulator(args: &ViewArgs) -> Result<Box<dyn ViewSource>, BadInput> {
     let place = args
         .mind
         .place(start.setup.explore_moves, robot.is_some())?;
+    let has_places = robot.is_some_and(AnyRobot::is_led) && matches!(place, ControllerPlace::Host);
+    if start.setup.behavior.needs_places() && !has_places {
+        return Err(BadInput::new(NO_PLACES));
+    }
     let log = args.log.as_deref();
     if let (Some(robot), Some(log)) = (robot, log) {
         return Err(BadInput::new(format!(
@@ -194,11 +207,6 @@ fn start(args: &ViewArgs) -> Result<SimulatorStart, BadInput> {
         )));
     };
     let setup = args.setup.setup()?;
-    if setup.behavior.needs_places() {
-        return Err(BadInput::new(
-            "--behavior home: the page does not lead a robot home yet (run --out draws it)",
-        ));
-    }
     let of_robot = |config: Config<16>| match &setup.robot {
         None => config,
         Some(robot) => robot.config(config),

@@ -250,8 +250,12 @@ impl WatchedBoard {
             | PageCommand::GoalNeuron { .. }
             | PageCommand::GoalFile { .. } => {
                 let known = Some(&*self.known).filter(|known| known.has_learned());
-                self.goal =
-                    ActiveGoal::from_command(command, (self.nest(), Point::default()), known)?;
+                self.goal = ActiveGoal::from_command(
+                    command,
+                    (self.nest(), Point::default()),
+                    known,
+                    false,
+                )?;
                 if self.mode == ModeReport::Seek {
                     self.execute_command(&PageCommand::Seek)?;
                 }

@@ -60,6 +60,9 @@ pub enum PageCommand {
     Behavior {
         /// Its name.
         name: String,
+        /// Steps of driving around before the way home.
+        #[serde(default)]
+        tour: Option<u32>,
     },
     /// Set a neuron's situation as the goal.
     GoalNeuron {
@@ -68,6 +71,13 @@ pub enum PageCommand {
     },
     /// Set the current situation as the goal.
     GoalHere,
+    /// Set a position as the goal, for a robot with a memory of places.
+    GoalPosition {
+        /// Its x.
+        x: f64,
+        /// Its y.
+        y: f64,
+    },
     /// Set the goal of a file's text.
     GoalFile {
         /// The text.

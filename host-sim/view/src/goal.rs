@@ -14,6 +14,10 @@ use sim::behavior::{Behavior, is_reached};
 use sim::goal_file::{self, GoalFile};
 use sim::pilot::SimState;
 
+/// Why a robot cannot be sent home or to a position.
+pub(super) const NO_PLACES: &str =
+    "only a simulated robot with a memory of places finds its way there: view --places on";
+
 /// The goal and its origin.
 #[derive(Debug, Clone)]
 pub(super) struct ActiveGoal {
@@ -21,6 +25,8 @@ pub(super) struct ActiveGoal {
     /// Part of a chain; steps and goal steps when it began.
     part: usize,
     begun: [u32; 2],
+    /// It drives around before the way home.
+    is_touring: bool,
     /// The last part of a chain is reached.
     is_complete: bool,
 }
@@ -30,18 +36,24 @@ enum GoalKind {
     Behavior(Behavior),
     /// A situation with its name, neuron and place.
     Situation(Situation<16>, String, Option<usize>, Option<Point>),
+    /// A position, to which places lead the robot.
+    Position(Point),
     /// A goal of a recording, of unknown origin.
     Goal(Goal<16>),
 }
 
 impl ActiveGoal {
     fn new(kind: GoalKind) -> Self {
-        Self {
+        let mut goal = Self {
             kind,
             part: 0,
             begun: [0; 2],
+            is_touring: false,
             is_complete: false,
-        }
+        };
+        // No step counts before it begins.
+        goal.begin(u32::MAX, u32::MAX);
+        goal
     }
 
     pub fn behavior(behavior: &Behavior) -> Self {
@@ -68,25 +80,85 @@ impl ActiveGoal {
     /// Starts with the first part, at these counts of steps.
     pub fn begin(&mut self, steps: u32, goal_steps: u32) {
         (self.part, self.begun, self.is_complete) = (0, [steps, goal_steps], false);
+        self.is_touring = self.tour_steps() > Some(0);
     }
 
-    /// Advances to the next part of a chain if the current one is reached; `Some(false)` after the
-    /// last.
+    /// Advances to the way home after a tour, and to the next part of a chain if the current one is
+    /// reached; `Some(false)` after the last.
     pub fn advance(&mut self, steps: u32, goal_steps: u32) -> Option<bool> {
-        let parts = self.as_behavior()?.parts();
-        let chained = parts.len() > 1 && !self.is_complete;
-        let part = parts.get(self.part).filter(|_| chained)?;
-        let since = |now: u32, then: u32| now.saturating_sub(then);
         let [began, held] = self.begun;
-        if !is_reached(part, since(steps, began), since(goal_steps, held)) {
+        let done = [steps.saturating_sub(began), goal_steps.saturating_sub(held)];
+        if self.is_complete || !self.is_part_over(done) {
             return None;
         }
-        if self.part + 1 == parts.len() {
+        let parts = self
+            .as_behavior()
+            .map_or(1, |behavior| behavior.parts().len());
+        if self.is_touring {
+            self.is_touring = false;
+        } else if self.part + 1 < parts {
+            self.part += 1;
+        } else {
             self.is_complete = true;
             return Some(false);
         }
-        (self.part, self.begun) = (self.part + 1, [steps, goal_steps]);
+        self.begun = [steps, goal_steps];
         Some(true)
+    }
+
+    /// Whether the present part is over after so many steps, with so many at its goal. A behavior
+    /// that is no place to go to is never over by itself.
+    fn is_part_over(&self, [steps, goal_steps]: [u32; 2]) -> bool {
+        match &self.kind {
+            _ if self.is_touring => Some(steps) >= self.tour_steps(),
+            GoalKind::Position(_) => goal_steps > 0,
+            GoalKind::Behavior(behavior) => {
+                let ends = behavior.parts().len() > 1 || self.is_home();
+                let part = behavior.parts().get(self.part);
+                ends && part.is_some_and(|part| is_reached(part, steps, goal_steps))
+            }
+            GoalKind::Situation(..) | GoalKind::Goal(_) => false,
+        }
+    }
+
+    /// Steps of driving around before the way home. In a chain home has none.
+    fn tour_steps(&self) -> Option<u32> {
+        match self.as_behavior() {
+            Some(Behavior::Home { tour }) => Some(*tour),
+            _ => None,
+        }
+    }
+
+    /// Steps of driving around before the way home, at this count of steps: driven, and in all.
+    pub fn tour(&self, steps: u32) -> Option<[u32; 2]> {
+        let all = self.tour_steps()?;
+        let driven = match self.is_touring {
+            true => steps.saturating_sub(self.begun[0]).min(all),
+            false => all,
+        };
+        Some([driven, all])
+    }
+
+    /// Whether it drives around before the way home.
+    pub fn is_touring(&self) -> bool {
+        self.is_touring
+    }
+
+    /// Whether the present part is the way home.
+    pub fn is_home(&self) -> bool {
+        matches!(self.present_part(), Some(Behavior::Home { .. }))
+    }
+
+    /// The position to go to, if it is one.
+    pub fn position(&self) -> Option<Point> {
+        match &self.kind {
+            GoalKind::Position(place) => Some(*place),
+            _ => None,
+        }
+    }
+
+    fn present_part(&self) -> Option<&Behavior> {
+        self.as_behavior()?.parts().get(self.part)
     }
 
     /// Its name.
@@ -94,20 +166,30 @@ impl ActiveGoal {
         match &self.kind {
             GoalKind::Behavior(behavior) => behavior.name(),
             GoalKind::Situation(_, name, ..) => name.clone(),
+            GoalKind::Position(_) => "a place".to_owned(),
             GoalKind::Goal(_) => "a situation".to_owned(),
         }
+    }
+
+    /// What is to be told when its last part is reached.
+    pub fn reached(&self) -> String {
+        let is_chain = self
+            .as_behavior()
+            .is_some_and(|behavior| behavior.parts().len() > 1);
+        let what = if is_chain { ": the last goal" } else { "" };
+        format!("{}{what} is reached", self.name())
     }
 
     /// The behavior, if it is one.
     pub fn as_behavior(&self) -> Option<&Behavior> {
         match &self.kind {
             GoalKind::Behavior(behavior) => Some(behavior),
-            GoalKind::Situation(..) | GoalKind::Goal(_) => None,
+            GoalKind::Situation(..) | GoalKind::Position(_) | GoalKind::Goal(_) => None,
         }
     }
 
     /// The goal that a command sets. `here` is the current situation and place, `known` has the
-    /// maps, if there are any.
+    /// maps, if there are any; `has_places` tells whether a memory of places leads the robot.
     ///
     /// # Errors
     /// Why it cannot be the goal.
@@ -115,9 +197,11 @@ impl ActiveGoal {
         command: &PageCommand,
         here: (Situation<16>, Point),
         known: Option<&SimState>,
+        has_places: bool,
     ) -> Result<Self, CommandRefused> {
-        Ok(match command {
-            PageCommand::Behavior { name } => Self::behavior(&named(name)?),
+        let goal = match command {
+            PageCommand::Behavior { name, tour } => Self::behavior(&named(name, *tour)?),
+            PageCommand::GoalPosition { x, y } => Self::new(GoalKind::Position(Point::new(*x, *y))),
             PageCommand::GoalNeuron { neuron } => {
                 let known = known.ok_or("there are no maps yet: explore and learn first")?;
                 if *neuron >= known.situations().code().len() {
@@ -128,7 +212,13 @@ impl ActiveGoal {
             PageCommand::GoalHere => Self::captured(here.0, here.1),
             PageCommand::GoalFile { text } => Self::file(GoalFile::read(text, "goal.toml")?),
             _ => return Err("that is no goal".into()),
-        })
+        };
+        let behavior = goal.as_behavior();
+        let needs_places = behavior.is_some_and(Behavior::needs_places);
+        if (needs_places || goal.position().is_some()) && !has_places {
+            return Err(NO_PLACES.into());
+        }
+        Ok(goal)
     }
 
     /// Finds the name of a controller's goal.
@@ -155,8 +245,12 @@ impl ActiveGoal {
     /// # Errors
     /// Why there is none.
     pub fn save(&self, config: &Config<16>) -> Result<CommandOutcome, CommandRefused> {
-        let GoalKind::Situation(situation, _, _, place) = &self.kind else {
-            return Err("this goal has a name, not a situation: it needs no file".into());
+        let (situation, place) = match &self.kind {
+            GoalKind::Situation(situation, _, _, place) => (situation, place),
+            GoalKind::Position(_) => return Err("this goal is a place, not a situation".into()),
+            GoalKind::Behavior(_) | GoalKind::Goal(_) => {
+                return Err("this goal has a name, not a situation: it needs no file".into());
+            }
         };
         let Some(place) = place else {
             let why = "a neuron's situation was perceived nowhere: go there and capture it";
@@ -177,18 +271,20 @@ impl ActiveGoal {
 
     /// Whether the present part is to come back to where the exploration began.
     pub fn is_nest(&self) -> bool {
-        let parts = self.as_behavior().map_or(&[][..], Behavior::parts);
-        parts.get(self.part) == Some(&Behavior::Nest)
+        self.is_home() && !self.is_touring || self.present_part() == Some(&Behavior::Nest)
     }
 
     /// The goal situation; `nest` is the situation before the first move.
     pub fn goal(&self, config: &Config<16>, nest: &Situation<16>) -> Goal<16> {
         match &self.kind {
+            _ if self.is_touring => Goal::avoiding(config),
             GoalKind::Behavior(behavior) => {
                 let part = behavior.parts().get(self.part);
                 part.unwrap_or(behavior).goal(config, nest)
             }
             GoalKind::Situation(situation, ..) => Goal::perceived(situation),
+            // The way is what leads it.
+            GoalKind::Position(_) => Goal::avoiding(config),
             GoalKind::Goal(goal) => *goal,
         }
     }
@@ -202,6 +298,7 @@ impl ActiveGoal {
         let (neuron, place) = match &self.kind {
             GoalKind::Behavior(behavior) => (None, behavior.place(start)),
             GoalKind::Situation(_, _, neuron, place) => (*neuron, *place),
+            GoalKind::Position(place) => (None, Some(*place)),
             GoalKind::Goal(_) => (None, None),
         };
         let parts = self
@@ -210,6 +307,7 @@ impl ActiveGoal {
         GoalDto {
             name: self.name(),
             part: (parts > 1).then_some(self.part),
+            tour: None,
             bounds: bounds.collect(),
             travels: goal.frame == GoalFrame::Travel,
             neuron,
@@ -226,10 +324,13 @@ fn neuron_situation(known: &SimState, neuron: usize) -> Situation<16> {
 
 /// A behavior of the menu or a chain of them. Files are not allowed: they belong to this machine's
 /// user.
-fn named(name: &str) -> Result<Behavior, CommandRefused> {
-    let known = Behavior::NAMES;
+fn named(name: &str, tour: Option<u32>) -> Result<Behavior, CommandRefused> {
+    let known: Vec<_> = Behavior::NAMES.into_iter().chain(["home"]).collect();
     if let Some(unknown) = name.split(',').find(|part| !known.contains(part)) {
         return Err(BadInput::unknown("behavior", unknown, &known).into());
     }
-    Ok(name.parse()?)
+    match (name.parse()?, tour) {
+        (Behavior::Home { .. }, Some(tour)) => Ok(Behavior::Home { tour }),
+        (behavior, _) => Ok(behavior),
+    }
 }

@@ -11,6 +11,7 @@ pub const PAGE: &str = concat!(
     include_str!("page/draw.js"),
     include_str!("page/link.js"),
     include_str!("page/arena.js"),
+    include_str!("page/places.js"),
     include_str!("page/ring.js"),
     include_str!("page/body.js"),
     include_str!("page/maps.js"),

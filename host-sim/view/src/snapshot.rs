@@ -60,6 +60,11 @@ impl<T: Serialize> SnapshotPart<T> {
             text: OnceLock::new(),
         }
     }
+
+    /// What it shows.
+    pub fn value(&self) -> &T {
+        &self.value
+    }
 }
 
 /// A part of any type, as a viewer's task needs it.
@@ -107,6 +112,7 @@ pub fn message(part: &str, index: u64, value: &impl Serialize) -> String {
 /// | `scene` | [`SceneDto`]: world, ring, menus, abilities | the world |
 /// | `maps` | [`Maps`]: both maps, hits, U-matrices, best neurons of each sample | learning |
 /// | `memory` | [`MemoryRow`]s of the lazy memory | each sample |
+/// | `places` | [`PlacesDto`]: a memory of places, if one leads the robot | places, links, open ways |
 /// | `trail` | [`HistoryEntry`]s of the decisions, in chunks of 64 (`index`) | each decision |
 /// | `heard` | places of echoes, in chunks of 64, if the surroundings are not known | each echo |
 /// | `now` | [`LiveState`]: pose, ranges, situation, plan, goal, counts, clock, link | always |
@@ -239,6 +245,19 @@ pub struct MemoryRow {
     pub moved_m: Xy,
 }
 
+/// A memory of places, where the robot takes them to be in the world, meters.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct PlacesDto {
+    /// Positions.
+    pub places: Vec<Xy>,
+    /// Indices of two places between which the robot went.
+    pub links: Vec<[u16; 2]>,
+    /// Indices of two places between which the way is blocked.
+    pub blocked: Vec<[u16; 2]>,
+    /// Open ways: from a place to where the robot has not been.
+    pub frontiers: Vec<[Xy; 2]>,
+}
+
 /// A past decision: time, s; place, m; 0 = exploring, 1 = seeking; flags 1 = touched, 2 = shielded,
 /// 4 = at the goal; neuron of the situation, -1 = none; nearest range, m, -1 = no echo.
 pub type HistoryEntry = (Rounded, Rounded, Rounded, u8, u8, i16, Rounded);
@@ -252,6 +271,10 @@ pub struct LiveState {
     pub step_s: Rounded,
     /// Pose: x, y and the ring's bearing (m, rad).
     pub pose: [Rounded; 3],
+    /// Pose that a robot with a memory of places takes to be its own.
+    pub thinks: Option<[Rounded; 3]>,
+    /// The way that its places lead it now: the next sub-goal first, its end last.
+    pub way: Option<Vec<Xy>>,
     /// Pose at the time of the ring.
     #[serde(rename = "heard_at")]
     pub scan_pose: [Rounded; 3],
@@ -352,6 +375,8 @@ pub struct GoalDto {
     pub name: String,
     /// Index of the part of a chain; `None` for other goals.
     pub part: Option<usize>,
+    /// Steps of driving around before the way home: driven, and in all.
+    pub tour: Option<[u32; 2]>,
     /// Bounds for each transducer; `None` = any value.
     #[serde(rename = "asked")]
     pub bounds: Vec<Option<[Rounded; 2]>>,

@@ -24,6 +24,8 @@ pub struct Capabilities {
     pub load: bool,
     /// Jump to any decision, in a log.
     pub jump: bool,
+    /// A memory of places leads it to goals: home, and any position.
+    pub places: bool,
     /// The source has neither pose nor ranges.
     pub unplaced: bool,
 }

@@ -11,7 +11,7 @@ use files::error::BadInput;
 use sim::error::EpisodeError;
 use sim::pilot::{AgedEcho, InspectableController as _, LocalController, Pilot, SimState};
 use sim::robot::{AnyRobot, MAX_BEAMS};
-use sim::turret_pilot::TurretController;
+use sim::turret_pilot::{SimTurret, TurretController};
 
 /// Place of a controller.
 pub enum ControllerPlace {
@@ -166,6 +166,15 @@ impl AnyController {
     pub fn perceived_body(&self) -> Option<([Option<Range>; 16], BodySpec<MAX_BEAMS>)> {
         match self {
             Self::Body(controller, _) => Some((*controller.ring(), controller.known_body())),
+            Self::Host(_) | Self::Link(_) => None,
+        }
+    }
+
+    /// Points and places of a robot in this process that its places lead to goals.
+    #[must_use]
+    pub fn led_turret(&self) -> Option<&SimTurret> {
+        match self {
+            Self::Body(controller, _) => controller.led_turret(),
             Self::Host(_) | Self::Link(_) => None,
         }
     }

@@ -133,7 +133,7 @@ impl WatchedNomad {
             .known
             .as_deref()
             .filter(|_| self.knows_maps());
-        let goal = ActiveGoal::from_command(command, here, known)?;
+        let goal = ActiveGoal::from_command(command, here, known, false)?;
         if goal
             .as_behavior()
             .is_some_and(|behavior| behavior.has_leader())

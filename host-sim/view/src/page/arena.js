@@ -3,7 +3,7 @@ const arena = { root: $("arena"), pieces: new Map(), spots: new Map(), shapes: [
 
 function buildArena() {
   const root = arena.root;
-  for (const name of ["things", "spots-layer", "cones", "trails", "marks", "signs", "robots"]) arena[name] = svg("g", {}, root);
+  for (const name of ["things", "spots-layer", "cones", "places-layer", "trails", "marks", "way-layer", "signs", "robots"]) arena[name] = svg("g", {}, root);
   arena["spots-layer"].setAttribute("pointer-events", "none");
   arena.cones.setAttribute("pointer-events", "none");
   arena.beams = Array.from({ length: 16 }, () => svg("path", { class: "cone" }, arena.cones));

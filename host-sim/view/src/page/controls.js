@@ -9,10 +9,12 @@ function options(select, names, chosen) {
 }
 
 const NAMED = "\u0000";
+const HOME_NEEDS = "home: needs a memory of places (view --places on)";
 function showGoalChoice() {
   const [scene, now] = [view.scene, view.now];
   if (!scene || !now) return;
   const names = scene.behaviors.map(([name]) => [name, name]);
+  if (scene.abilities.carry && !scene.abilities.places) names.push(["home", HOME_NEEDS]);
   // A chain consists of several behaviors.
   const chained = now.goal.name.split(",").every((part) => scene.behaviors.some(([name]) => name === part));
   $("then-choice").hidden = !chained || !scene.abilities.drive;
@@ -21,11 +23,15 @@ function showGoalChoice() {
   options($("behavior"), known ? names : [[NAMED, now.goal.name], ...names], known ? now.goal.name : NAMED);
   const about = scene.behaviors.find(([name]) => name === now.goal.name);
   $("behavior").title = about ? about[1] : now.goal.name;
+  for (const option of document.querySelectorAll("option[value='home']")) option.disabled = !scene.abilities.places;
+  $("tour-choice").hidden = !now.goal.tour;
+  if (now.goal.tour && document.activeElement !== $("tour")) $("tour").value = now.goal.tour[1];
 }
 
 const MODES = { idle: "stands", babble: "moves to find its sensors", calibrate: "works out where its sensors are", explore: "explores", learn: "learns", seek: "seeks", stopped: "stopped", failed: "has failed" };
-// Of a chain, the current part.
-function goalName({ name, part }) {
+// Of a chain, the current part; before the way home, how far the tour is.
+function goalName({ name, part, tour }) {
+  if (tour && tour[0] < tour[1]) return `${name}, tour ${tour[0]} of ${tour[1]}`;
   const parts = name.split(",");
   return part === null || part === undefined ? name : `${parts[part]} (${part + 1} of ${parts.length})`;
 }
@@ -149,6 +155,12 @@ async function loadGoal(file) {
   if (await ask("goal_file", { text: (await file.text()).slice(0, 100000) })) notify(`${file.name} is the goal now.`);
 }
 
+function askBehavior(name) {
+  const tour = $("tour").value.trim();
+  if (!/^\d{1,6}$/.test(tour)) return notify("A tour has a whole number of steps, up to 999999.");
+  ask("behavior", { name, tour: Number(tour) });
+}
+
 function restart() {
   const seed = $("seed").value.trim();
   if (!/^\d+$/.test(seed) || !Number.isSafeInteger(Number(seed))) return notify("The seed must be a whole number up to 9007199254740991.");
@@ -176,7 +188,8 @@ function bindControls() {
   });
   $("here").addEventListener("click", async () => { if (await ask("goal_here") && view.now.mode !== "seek") notify("The goal is set: move the robot away and press Seek."); });
   $("speed").addEventListener("change", (event) => ask("speed", { factor: event.target.value === "null" ? null : Number(event.target.value) }).then(() => event.target.blur()));
-  $("behavior").addEventListener("change", (event) => { if (event.target.value !== NAMED) ask("behavior", { name: event.target.value }); event.target.blur(); });
+  $("behavior").addEventListener("change", (event) => { if (event.target.value !== NAMED) askBehavior(event.target.value); event.target.blur(); });
+  $("tour").addEventListener("change", (event) => { askBehavior("home"); event.target.blur(); });
   for (const id of ["shield", "online"]) $(id).addEventListener("change", async (event) => {
     pendingSwitch = id;
     await ask(id, { on: event.target.checked });

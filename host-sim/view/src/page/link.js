@@ -1,6 +1,6 @@
 // The socket: receives snapshot parts and sends commands.
-const view = { scene: null, maps: null, memory: [], now: null, trail: new Map(), heard: new Map(), seat: { you: false, taken: false, viewers: 0 } };
-const showers = { scene: [], maps: [], memory: [], now: [], trail: [], heard: [], seat: [], gone: [] };
+const view = { scene: null, maps: null, memory: [], places: null, now: null, trail: new Map(), heard: new Map(), seat: { you: false, taken: false, viewers: 0 } };
+const showers = { scene: [], maps: [], memory: [], places: [], now: [], trail: [], heard: [], seat: [], gone: [] };
 const waiting = new Map();
 let socket = null;
 let commandCount = 0;

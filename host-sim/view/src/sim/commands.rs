@@ -8,7 +8,6 @@ use crate::source::CommandRefused;
 use amp::config::Config;
 use amp::controller::Command;
 use amp::fixed::Weight;
-use amp::places::Aim;
 use amp::scan::Situation;
 use amp::units::Range;
 use arena::loaders::{WorldSource, parse_worlds};
@@ -18,7 +17,6 @@ use files::hex::unhex;
 use remote::link::{AnyController, Knowledge};
 use remote::log::LoggedController;
 use sim::episode::{CARRY_TIME_S, Seeds, nest_known};
-use sim::pilot::Pilot;
 
 impl Simulator {
     pub(super) fn execute_command(
@@ -48,6 +46,7 @@ impl Simulator {
             PageCommand::Behavior { .. }
             | PageCommand::GoalNeuron { .. }
             | PageCommand::GoalHere
+            | PageCommand::GoalPosition { .. }
             | PageCommand::GoalFile { .. } => self.choose_goal(command)?,
             // Commands of the control lock and the clock are handled elsewhere.
             _ => return Err("this is not a command for the robot".into()),
@@ -107,6 +106,7 @@ impl Simulator {
         }
         let moves = setup.explore_moves - setup.calibration_moves();
         self.command(Command::Explore { moves, seed })?;
+        self.begin_places(true);
         self.explorations += 1;
         self.explored = sim::episode::Metrics::new(self.body.world(), self.body.radius_m());
         self.begin(SimulatorActivity::Explore);
@@ -144,9 +144,13 @@ impl Simulator {
         if self.goal.is_nest() {
             goal = goal.for_known(nest_known(self.controller.pilot().cached_state()?));
         }
-        let led = self.controller.pilot().lead_if_it_can(Some(Aim::Situation));
-        led.map_err(|error| error.to_string())?;
-        self.command(Command::Seek(goal))
+        self.lead()?;
+        self.command(Command::Seek(goal))?;
+        // The step under way was decided for what was pursued before.
+        if let Some(open) = &mut self.open {
+            open.at_goal = false;
+        }
+        Ok(())
     }
 
     /// Adds a leader if the goal needs one.
@@ -179,11 +183,15 @@ impl Simulator {
 
     fn choose_goal(&mut self, command: &PageCommand) -> Result<(), CommandRefused> {
         let here = (self.perceived(), self.body.pose().position);
+        let has_places = self.has_places();
         let known = match self.learned {
             true => Some(self.controller.pilot().cached_state()?),
             false => None,
         };
-        let goal = ActiveGoal::from_command(command, here, known)?;
+        let goal = ActiveGoal::from_command(command, here, known, has_places)?;
+        if let Some(place) = goal.position() {
+            self.check_room(place)?;
+        }
         self.choose(goal)
     }
 
@@ -258,14 +266,20 @@ impl Simulator {
         Ok(())
     }
 
-    /// Moves the robot: its activity is interrupted, and its shield forgets earlier echoes.
-    fn move_robot(&mut self, to: Point) -> Result<(), CommandRefused> {
+    /// Whether the robot may stand there.
+    fn check_room(&self, place: Point) -> Result<(), CommandRefused> {
         let world = self.body.world();
         let (low, high) = world.bounds();
-        let inside = (low.x..=high.x).contains(&to.x) && (low.y..=high.y).contains(&to.y);
-        if !inside || world.is_inside(to) || world.clearance(to) < self.body.radius_m() {
+        let inside = (low.x..=high.x).contains(&place.x) && (low.y..=high.y).contains(&place.y);
+        if !inside || world.is_inside(place) || world.clearance(place) < self.body.radius_m() {
             return Err("there is no room for the robot".into());
         }
+        Ok(())
+    }
+
+    /// Moves the robot: its activity is interrupted, and its shield forgets earlier echoes.
+    fn move_robot(&mut self, to: Point) -> Result<(), CommandRefused> {
+        self.check_room(to)?;
         let goes_on = matches!(
             self.activity,
             SimulatorActivity::Explore | SimulatorActivity::Seek
@@ -277,6 +291,8 @@ impl Simulator {
         self.body.set_down_at(to);
         self.log_place();
         self.before = None;
+        self.begin_places(false);
+        self.lead()?;
         if goes_on {
             self.resume()?;
         }

@@ -5,13 +5,14 @@
 
 mod commands;
 mod parts;
+mod places;
 mod think;
 
 use super::command::{CommandOutcome, PageCommand};
 use super::dto::KnowledgeParts;
 use super::goal::ActiveGoal;
 use super::history::{History, history_entry};
-use super::snapshot::{SceneDto, Snapshot, SnapshotPart};
+use super::snapshot::{PlacesDto, SceneDto, Snapshot, SnapshotPart};
 use super::source::{Capabilities, CommandRefused, StepOutcome, ViewSource};
 use amp::config::Config;
 use amp::controller::{Command, Decision, Event};
@@ -19,6 +20,7 @@ use amp::scan::Situation;
 use arena::robot::TurretMode;
 use arena::world::{Point, Pose, World};
 use files::error::BadInput;
+use places::PlaceFrame;
 use remote::link::{AnyController, ControllerPlace};
 use remote::log::{LogOutput, LogWriter, LoggedController, SetupRecord, SharedLog, WorldLogger};
 use sim::episode::{
@@ -102,6 +104,8 @@ pub struct Simulator {
     decision: Option<Decision<16>>,
     /// The situation before the latest decision.
     before: Option<Situation<16>>,
+    /// Where the robot's places lie in the world.
+    frame: PlaceFrame,
     /// Latest ranges, and the ring's pose at that time.
     ranges_m: [Option<f64>; 16],
     scan_pose: Pose,
@@ -125,6 +129,7 @@ pub struct Simulator {
 struct SimulatorCache {
     revision: u64,
     scene: Option<Arc<SnapshotPart<SceneDto>>>,
+    places: Option<Arc<SnapshotPart<PlacesDto>>>,
     knowledge: KnowledgeParts,
 }
 
@@ -174,6 +179,7 @@ impl Simulator {
             before: None,
             ranges_m,
             scan_pose: body.pose(),
+            frame: PlaceFrame::new(body.pose(), 0.0, 1.0),
             learned: false,
             is_calibrated: false,
             learning: 0,
@@ -217,6 +223,7 @@ impl Simulator {
 
     fn drive(&mut self) -> StepOutcome {
         let began_s = self.body.time_s();
+        self.frame.is_current = true;
         let result = self.body.advance(&mut self.controller);
         if let Some(watcher) = &mut self.watcher {
             let at = milliseconds(result.time_s);
@@ -294,7 +301,7 @@ impl Simulator {
             None => return,
             Some(true) => self.pursue(),
             Some(false) => {
-                let note = format!("{}: the last goal is reached", self.goal.name());
+                let note = self.goal.reached();
                 self.stop().map(|()| self.note = Some(note))
             }
         };
@@ -353,6 +360,7 @@ impl ViewSource for Simulator {
             drive: true,
             pace: true,
             carry: true,
+            places: self.has_places(),
             reset: true,
             configure: self.start.setup.robot.is_none(),
             save: self.start.setup.robot.is_none(),

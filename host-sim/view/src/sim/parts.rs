@@ -3,8 +3,8 @@
 use super::{Simulator, SimulatorActivity};
 use crate::dto::{displacements, millimeters, plan_dto, pose_dto, ring, shape_dto, xy};
 use crate::snapshot::{
-    DriveCounts, LiveState, PartMessage, RingValues, Rounded, SceneDto, SensorDto, Snapshot,
-    SnapshotPart,
+    DriveCounts, GoalDto, LiveState, PartMessage, RingValues, Rounded, SceneDto, SensorDto,
+    Snapshot, SnapshotPart,
 };
 use crate::source::ViewSource as _;
 use amp::config::PlannerKind;
@@ -26,6 +26,7 @@ impl Simulator {
         }
         let mut parts: Vec<Arc<dyn PartMessage>> = vec![self.scene(revision)];
         parts.extend(self.maps_and_memory(revision));
+        parts.extend(self.places(revision));
         Snapshot {
             parts,
             now: Box::new(self.now()),
@@ -70,6 +71,8 @@ impl Simulator {
             step_s: Rounded(self.step_s),
             pose: pose_dto(pose),
             scan_pose: pose_dto(scan_pose),
+            thinks: self.thinks(),
+            way: self.way(),
             mode,
             why: self.failure.clone(),
             note: self.note.clone(),
@@ -105,16 +108,17 @@ impl Simulator {
         let known = self.controller.pilot().cached_state().ok();
         let plan = plan.and_then(|plan| Some(plan_dto(&plan, known?)));
         let [wanted_m, allowed_m] = displacements(self.decision.as_ref());
-        let nest_place = self
-            .nest
-            .map_or(self.body.pose().position, |(_, place)| place);
+        let goal = self.goal.to_dto(&self.config, &self.nest(), self.home());
         LiveState {
             changed: self.changed(),
             plan,
             wanted_m,
             allowed_m,
             touched: self.touched,
-            goal: self.goal.to_dto(&self.config, &self.nest(), nest_place),
+            goal: GoalDto {
+                tour: self.goal.tour(self.seeking.steps),
+                ..goal
+            },
             ..LiveState::default()
         }
     }
@@ -184,6 +188,8 @@ fn scene(simulator: &Simulator) -> SceneDto {
             robot.sensing(setup.sonar).half_angle_rad,
         ),
     };
+    let home = simulator.has_places().then_some("home");
+    let names = Behavior::NAMES.into_iter().chain(home);
     let about = |name: &str| [name.to_owned(), Behavior::about(name).to_owned()];
     let mut worlds: Vec<_> = World::builtin_names()
         .iter()
@@ -211,7 +217,7 @@ fn scene(simulator: &Simulator) -> SceneDto {
         controller: simulator.controller.inner().name(),
         recalls: config.planning.planner == PlannerKind::Recall,
         abilities: simulator.abilities(),
-        behaviors: Behavior::NAMES.iter().map(|name| about(name)).collect(),
+        behaviors: names.map(about).collect(),
         worlds,
         presets: simulator
             .start

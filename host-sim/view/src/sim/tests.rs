@@ -6,6 +6,8 @@ use sim::behavior::Behavior;
 use sim::episode;
 use sim::pilot::LocalController;
 
+mod places;
+
 fn start(sonar: SonarModel) -> SimulatorStart {
     let config = Config::recommended();
     SimulatorStart {
@@ -132,6 +134,7 @@ fn what_makes_no_sense_is_refused_and_changes_nothing() {
         PageCommand::SaveGoal,
         PageCommand::Behavior {
             name: "seek:/etc/passwd".to_owned(),
+            tour: None,
         },
         PageCommand::LoadMind {
             hex: "00".to_owned(),
@@ -307,6 +310,7 @@ fn a_chain_is_pursued_to_its_last_goal_and_can_be_gone_on_with() {
     educate(&mut simulator);
     let chain = |name: &str| PageCommand::Behavior {
         name: name.to_owned(),
+        tour: None,
     };
     let unknown = simulator.execute(&chain("avoid,seek:/etc/passwd"));
     assert!(unknown.is_err());

@@ -1,0 +1,153 @@
+//! The memory of places: where it leads the robot, and where it lies in the world.
+
+use super::{Simulator, SimulatorActivity};
+use crate::dto::xy;
+use crate::snapshot::{PartMessage, PlacesDto, Rounded, SnapshotPart, Xy};
+use crate::source::CommandRefused;
+use amp::places::Aim;
+use amp::units::Displacement;
+use arena::world::{Point, Pose};
+use sim::pilot::Pilot as _;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+/// Where the frame of the robot's places lies in the world.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PlaceFrame {
+    /// Its origin and its x axis.
+    pose: Pose,
+    /// −1 for a robot that takes left for right.
+    side: f64,
+    /// It begins where random moves began. A robot that was carried does not know where that is.
+    begins_at_home: bool,
+    /// A robot that was carried drops its places with the next echo: those that it has lie in the
+    /// frame of before.
+    pub(super) is_current: bool,
+}
+
+impl PlaceFrame {
+    /// A frame that begins here, for a robot that takes its front to be at `heading`, rad.
+    pub(super) fn new(here: Pose, heading: f64, side: f64) -> Self {
+        Self {
+            pose: Pose::new(here.position, here.heading - side * heading),
+            side,
+            begins_at_home: false,
+            is_current: false,
+        }
+    }
+
+    fn to_world(self, position: Displacement) -> Point {
+        let [x, y] = [position.dx_mm, position.dy_mm].map(|mm| f64::from(mm) / 1e3);
+        let way = Point::new(x, self.side * y);
+        self.pose.position + way.turned(Point::unit(self.pose.heading))
+    }
+
+    /// Places farther than 32 m are not in the frame.
+    fn from_world(self, place: Point) -> Displacement {
+        let way = (place - self.pose.position).turned_back(Point::unit(self.pose.heading));
+        let mm = |m: f64| libm::round(m * 1e3) as i32;
+        Displacement::saturating(mm(way.x), mm(self.side * way.y))
+    }
+}
+
+impl Simulator {
+    /// Whether its places lead the robot to goals.
+    pub(super) fn has_places(&self) -> bool {
+        self.controller.inner().led_turret().is_some()
+    }
+
+    /// Places begin anew here: with random moves, or after the robot was carried.
+    pub(super) fn begin_places(&mut self, begins_at_home: bool) {
+        let heading = self.heading_it_thinks();
+        let robot = self.start.setup.robot.as_ref();
+        let miswiring = robot.and_then(|robot| robot.miswiring());
+        let side = miswiring.map_or(1.0, |wrong| wrong.side());
+        self.frame = PlaceFrame {
+            begins_at_home,
+            is_current: begins_at_home,
+            ..PlaceFrame::new(self.body.pose(), heading, side)
+        };
+    }
+
+    /// Tells the robot where its places are to lead it. Without places it finds its way by the goal
+    /// alone.
+    pub(super) fn lead(&mut self) -> Result<(), CommandRefused> {
+        let aim = if self.goal.is_touring() {
+            Aim::Frontier
+        } else if let Some(place) = self.goal.position() {
+            Aim::Position(self.frame.from_world(place))
+        } else if self.goal.is_home() && self.frame.begins_at_home {
+            Aim::Position(Displacement::ZERO)
+        } else {
+            Aim::Situation
+        };
+        let led = self.controller.pilot().lead_if_it_can(Some(aim));
+        led.map_err(|error| error.to_string().into())
+    }
+
+    /// Where the goal is, if it is where the random moves began.
+    pub(super) fn home(&self) -> Point {
+        let nest = self.nest.map(|(_, place)| place);
+        match self.goal.is_home() && self.frame.begins_at_home {
+            true => self.frame.pose.position,
+            false => nest.unwrap_or(self.body.pose().position),
+        }
+    }
+
+    /// Bearing of the front in the robot's own frame, rad.
+    fn heading_it_thinks(&self) -> f64 {
+        let turret = self.controller.inner().led_turret();
+        turret.map_or(0.0, |turret| {
+            f64::from(turret.memory().heading().as_turns()) / 65_536.0 * TAU
+        })
+    }
+
+    /// Where the robot thinks that it is, if it knows any place.
+    pub(super) fn thinks(&self) -> Option<[Rounded; 3]> {
+        let places = self.controller.inner().led_turret()?.places();
+        if !self.frame.is_current || places.positions().len() == 0 {
+            return None;
+        }
+        let here = self.frame.to_world(places.here());
+        let heading = self.frame.pose.heading + self.frame.side * self.heading_it_thinks();
+        Some([here.x, here.y, heading].map(Rounded))
+    }
+
+    /// The way that its places lead it, if they do: the next sub-goal comes first.
+    pub(super) fn way(&mut self) -> Option<Vec<Xy>> {
+        let stays = self.decision.is_some_and(|decision| decision.at_goal);
+        let seeks = self.activity == SimulatorActivity::Seek && self.frame.is_current;
+        let is_led = self.controller.pilot().cached_state().ok()?.is_led();
+        if !seeks || stays || !is_led {
+            return None;
+        }
+        let plan = self.controller.inner().led_turret()?.plan();
+        Some(plan.map(|place| xy(self.frame.to_world(place))).collect())
+    }
+
+    /// The places as a part of the snapshot: the last one if nothing has changed.
+    pub(super) fn places(&mut self, revision: u64) -> Option<Arc<dyn PartMessage>> {
+        let places = self.places_dto()?;
+        let kept = self.cache.places.take();
+        let part = match kept.filter(|part| *part.value() == places) {
+            Some(part) => part,
+            None => Arc::new(SnapshotPart::new("places", 0, revision, places)),
+        };
+        self.cache.places = Some(Arc::clone(&part));
+        Some(part)
+    }
+
+    fn places_dto(&self) -> Option<PlacesDto> {
+        let places = self.controller.inner().led_turret()?.places();
+        if !self.frame.is_current {
+            return Some(PlacesDto::default());
+        }
+        let to_world = |position| xy(self.frame.to_world(position));
+        Some(PlacesDto {
+            places: places.positions().map(to_world).collect(),
+            links: places.links().map(|(one, other)| [one, other]).collect(),
+            blocked: places.blocked().map(|(one, other)| [one, other]).collect(),
+            frontiers: places.frontiers().map(|ends| ends.map(to_world)).collect(),
+        })
+    }
+}

@@ -1,0 +1,215 @@
+//! Robots that a memory of places leads.
+
+use super::*;
+use crate::snapshot::{PartMessage, Rounded};
+use arena::robot_model::RobotModel;
+use serde_json::Value;
+use sim::robot::{AnyRobot, Ranges};
+
+fn start(sonar: SonarModel, behavior: Behavior) -> SimulatorStart {
+    let model = RobotModel::builtin("p3dx").unwrap();
+    let robot = AnyRobot::new(model, Ranges::Nomad, false).unwrap();
+    let plain = super::start(sonar);
+    let config = robot.config(plain.whole);
+    SimulatorStart {
+        world: World::builtin("office").unwrap(),
+        named: "office".to_owned(),
+        setup: Setup {
+            config: config.clone(),
+            behavior,
+            explore_moves: 100,
+            steps: 300,
+            robot: Some(robot),
+            ..plain.setup
+        },
+        whole: config,
+        presets: Vec::new(),
+    }
+}
+
+fn simulator(sonar: SonarModel, tour: u32) -> Simulator {
+    let start = start(sonar, Behavior::Home { tour });
+    Simulator::new(start, ControllerPlace::Host, None).unwrap()
+}
+
+/// A part of a snapshot.
+fn part(simulator: &mut Simulator, name: &str) -> Arc<dyn PartMessage> {
+    let parts = simulator.snapshot().into_parts();
+    let mut found = parts.into_iter().filter(|part| part.key().0 == name);
+    found.next().unwrap()
+}
+
+fn places(simulator: &mut Simulator) -> Value {
+    let text = part(simulator, "places").text();
+    serde_json::from_str::<Value>(&text).unwrap()["value"].take()
+}
+
+fn count(places: &Value, what: &str) -> usize {
+    places[what].as_array().unwrap().len()
+}
+
+/// How far from where it is the robot thinks that it is, m.
+fn error_m(simulator: &mut Simulator) -> f64 {
+    let now = simulator.snapshot().now;
+    let [x, y, _] = now.thinks.unwrap().map(|value| value.0);
+    Point::new(x, y).distance(Point::new(now.pose[0].0, now.pose[1].0))
+}
+
+#[test]
+fn home_on_the_page_is_home_in_an_episode() {
+    for sonar in [SonarModel::Ideal, SonarModel::Nomad] {
+        let behavior = Behavior::Home { tour: 150 };
+        let setup = Setup {
+            record: true,
+            ..start(sonar, behavior).setup
+        };
+        let run = episode::run(&World::builtin("office").unwrap(), &setup, |_, _, _| {}).unwrap();
+        assert_eq!(run.report.success, 1.0);
+        let recorded = run.recording.unwrap().seeking;
+        let mut simulator = simulator(sonar, 150);
+        educate(&mut simulator);
+        simulator.execute(&PageCommand::Seek).unwrap();
+        let mut driven = Vec::new();
+        while simulator.activity == SimulatorActivity::Seek {
+            driven.extend(decide(&mut simulator, 1));
+            let _ = simulator.snapshot().into_parts();
+        }
+        let wanted: Vec<_> = recorded.iter().map(|step| step.pose.position).collect();
+        // After the tour, and the decision with which it ends. One more tells that it is there.
+        assert_eq!(driven.len(), 152 + wanted.len(), "{sonar:?}");
+        assert_eq!(driven[151..][..wanted.len()], wanted, "{sonar:?}");
+        let now = simulator.snapshot().now;
+        assert_eq!(now.note.as_deref(), Some("home is reached"));
+    }
+}
+
+#[test]
+fn places_are_sent_where_the_robot_was_and_once() {
+    let mut simulator = simulator(SonarModel::Ideal, 40);
+    assert_eq!(count(&places(&mut simulator), "places"), 0);
+    assert_eq!(simulator.snapshot().now.thinks, None);
+    educate(&mut simulator);
+    simulator.execute(&PageCommand::Seek).unwrap();
+    let driven = decide(&mut simulator, 40);
+    let known = places(&mut simulator);
+    assert!(count(&known, "places") > 10, "{known}");
+    assert!(count(&known, "links") > 10 && count(&known, "frontiers") > 3);
+    let to_point = |place: &Value| {
+        let [x, y] = [0, 1].map(|axis| place[axis].as_f64().unwrap());
+        Point::new(x, y)
+    };
+    // The last one was found on the tour.
+    let last = to_point(known["places"].as_array().unwrap().last().unwrap());
+    let nearest = driven.iter().map(|place| place.distance(last));
+    assert!(nearest.fold(f64::INFINITY, f64::min) < 0.05, "{last:?}");
+    assert!(error_m(&mut simulator) < 0.05);
+    let heading = |pose: [Rounded; 3]| pose[2].0;
+    let now = simulator.snapshot().now;
+    let off = libm::sin(heading(now.thinks.unwrap()) - heading(now.pose));
+    assert!(off.abs() < 0.01, "{off}");
+    // Another snapshot of the same places is not sent again.
+    let parts = [0, 1].map(|_| part(&mut simulator, "places").revision());
+    assert_eq!(parts[0], parts[1]);
+    decide(&mut simulator, 10);
+    assert!(part(&mut simulator, "places").revision() > parts[1]);
+}
+
+/// It drives around, and then its places lead it back over sub-goals.
+#[test]
+fn the_way_home_leads_over_sub_goals_to_the_start() {
+    let mut simulator = simulator(SonarModel::Ideal, 150);
+    educate(&mut simulator);
+    assert_eq!(simulator.snapshot().now.goal.tour, Some([0, 150]));
+    simulator.execute(&PageCommand::Seek).unwrap();
+    decide(&mut simulator, 20);
+    let now = simulator.snapshot().now;
+    assert!(now.way.is_some());
+    assert!(now.goal.tour < Some([30, 150]), "{:?}", now.goal.tour);
+    let mut longest = 0;
+    while simulator.activity == SimulatorActivity::Seek {
+        decide(&mut simulator, 1);
+        let now = simulator.snapshot().now;
+        if now.goal.tour == Some([150, 150])
+            && let Some(way) = now.way
+        {
+            longest = longest.max(way.len());
+            let home = now.goal.place.unwrap();
+            let end = way.last().unwrap();
+            let off = (0..2).map(|axis| (home[axis].0 - end[axis].0).abs());
+            assert!(off.fold(0.0, f64::max) < 0.01, "{home:?} {end:?}");
+        }
+    }
+    assert!(longest > 2, "{longest}");
+    // It stands: nothing leads it.
+    assert_eq!(simulator.snapshot().now.way, None);
+}
+
+#[test]
+fn a_robot_goes_to_a_position_and_stops_there() {
+    let mut simulator = simulator(SonarModel::Ideal, 0);
+    educate(&mut simulator);
+    let to = simulator.body.pose().position;
+    // Somewhere else it is told to come here.
+    simulator.execute(&PageCommand::Seek).unwrap();
+    rest(&mut simulator);
+    let far = simulator.body.pose().position.distance(to);
+    assert!(far > 0.5, "{far}");
+    let wall = PageCommand::GoalPosition { x: 99.0, y: 0.0 };
+    assert!(simulator.execute(&wall).is_err());
+    let there = PageCommand::GoalPosition { x: to.x, y: to.y };
+    simulator.execute(&there).unwrap();
+    assert!(simulator.execute(&PageCommand::SaveGoal).is_err());
+    simulator.execute(&PageCommand::Seek).unwrap();
+    rest(&mut simulator);
+    let off = simulator.body.pose().position.distance(to);
+    assert!(off < 0.1, "{off} m away");
+    let now = simulator.snapshot().now;
+    assert_eq!(now.note.as_deref(), Some("a place is reached"));
+}
+
+#[test]
+fn a_robot_that_was_carried_begins_anew_where_it_was_set_down() {
+    let mut simulator = simulator(SonarModel::Ideal, 0);
+    educate(&mut simulator);
+    let here = simulator.body.pose().position;
+    let home = simulator.frame;
+    let (x, y) = (here.x + 0.2, here.y);
+    simulator.execute(&PageCommand::MoveRobot { x, y }).unwrap();
+    // What it remembers lies elsewhere than it thinks.
+    assert_eq!(count(&places(&mut simulator), "places"), 0);
+    assert_eq!(simulator.snapshot().now.thinks, None);
+    simulator.execute(&PageCommand::Seek).unwrap();
+    decide(&mut simulator, 2);
+    assert!(error_m(&mut simulator) < 0.05);
+    assert!((1..4).contains(&count(&places(&mut simulator), "places")));
+    // It does not take where it was set down for home: it looks for the situation.
+    while simulator.activity == SimulatorActivity::Seek && simulator.seeking.steps < 300 {
+        decide(&mut simulator, 1);
+    }
+    let place = simulator.body.pose().position;
+    assert!(place.distance(Point::new(x, y)) > 0.3, "{place:?} {home:?}");
+}
+
+#[test]
+fn a_robot_without_places_is_not_sent_home() {
+    let mut simulator = super::simulator(SonarModel::Ideal);
+    assert!(!simulator.abilities().places);
+    for command in [
+        PageCommand::Behavior {
+            name: "avoid,home".to_owned(),
+            tour: None,
+        },
+        PageCommand::GoalPosition { x: 0.0, y: 0.0 },
+    ] {
+        let refused = simulator.execute(&command).unwrap_err();
+        assert!(refused.0.contains("memory of places"), "{}", refused.0);
+    }
+    let parts = simulator.snapshot().into_parts();
+    assert!(parts.iter().all(|part| part.key().0 != "places"));
+    let mut scene = part(&mut simulator, "scene").text().to_string();
+    assert!(!scene.contains("\"home\""), "{scene}");
+    scene = part(&mut self::simulator(SonarModel::Ideal, 0), "scene")
+        .text()
+        .to_string();
+    assert!(scene.contains("\"home\""), "{scene}");
+}
