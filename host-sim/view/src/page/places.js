@@ -8,7 +8,7 @@ function buildPlaces() {
   places.rim = svg("path", { class: "way rim" }, way);
   places.line = svg("path", { class: "way" }, way);
   places.next = svg("circle", { class: "way-next" }, way);
-  places.ghost = svg("g", { class: "thinks" }, way);
+  places.ghost = svg("g", { class: "thinks", "pointer-events": "none" }, arena.robots);
   places.body = svg("circle", {}, places.ghost);
   places.front = svg("path", {}, places.ghost);
 }
@@ -30,8 +30,8 @@ function showPlaces() {
   set(places.links, { d: lines(known.links), "stroke-width": 1.3 * u });
   set(places.blocked, { d: lines(known.blocked), "stroke-width": 1.6 * u });
   // Their beginning would hide the place.
-  const open = known.frontiers.map(([from, end]) => `M${at(between(from, end, 0.5))}L${at(end)}`).join("");
-  set(places.frontiers, { d: open, "stroke-width": 1.7 * u });
+  const open = known.frontiers.map(([from, end]) => `M${at(between(from, end, 0.25))}L${at(end)}`).join("");
+  set(places.frontiers, { d: open, "stroke-width": 1.4 * u });
   const r = (2.2 * u).toFixed(1);
   const dot = (place) => `M${at(place)}m${-r} 0a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0`;
   set(places.dots, { d: known.places.map(dot).join("") });
@@ -50,7 +50,7 @@ function showWay(now) {
   if (way.length) { const [cx, cy] = cm(way[0]); set(places.next, { cx, cy, r: 5 * u, "stroke-width": 2 * u }); }
   const off = now.thinks ? Math.hypot(now.thinks[0] - now.pose[0], now.thinks[1] - now.pose[1]) : 0;
   const turned = now.thinks ? Math.abs(Math.sin((now.thinks[2] - now.pose[2]) / 2)) : 0;
-  const differs = off > 0.03 || turned > 0.03;
+  const differs = $("show-places").checked && (off > 0.05 || turned > 0.03);
   places.ghost.style.display = differs ? "" : "none";
   if (!differs) return;
   const radius = 100 * scene.radii_m[0];
@@ -70,7 +70,7 @@ function bindPlaces() {
     const [x, y] = pointer(event);
     if (await ask("goal_position", { x, y }) && view.now.mode !== "seek") notify("That place is the goal: press Seek.");
   });
-  $("show-places").addEventListener("change", showPlaces);
+  $("show-places").addEventListener("change", () => { showPlaces(); if (view.now) showWay(view.now); });
 }
 
 buildPlaces();

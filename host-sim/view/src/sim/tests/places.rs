@@ -114,6 +114,20 @@ fn places_are_sent_where_the_robot_was_and_once() {
     assert!(part(&mut simulator, "places").revision() > parts[1]);
 }
 
+/// Its wheels slip: what it remembers lies where it thinks that it was.
+#[test]
+fn a_robot_is_shown_where_it_thinks_that_it_is() {
+    let mut simulator = simulator(SonarModel::Nomad, 1_000);
+    educate(&mut simulator);
+    simulator.execute(&PageCommand::Seek).unwrap();
+    let off = (0..100).map(|_| {
+        decide(&mut simulator, 1);
+        error_m(&mut simulator)
+    });
+    let most = off.fold(0.0, f64::max);
+    assert!((0.03..0.5).contains(&most), "{most} m");
+}
+
 /// It drives around, and then its places lead it back over sub-goals.
 #[test]
 fn the_way_home_leads_over_sub_goals_to_the_start() {
