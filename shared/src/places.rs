@@ -213,15 +213,14 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     /// Pairs of places between which the robot went, each once. A number counts
     /// [`positions`](Self::positions).
     pub fn links(&self) -> impl Iterator<Item = (u16, u16)> {
-        let links = self.graph.numbered().flat_map(|(from, record)| {
-            let to = record
+        self.graph.numbered().flat_map(|(from, record)| {
+            let ends = record
                 .links()
                 .filter_map(|to| Some((to, self.graph.get(to)?)));
             // A place forgets its oldest links: the other one may still have this one.
-            to.filter(move |(to, other)| from < *to || !other.was_gone_to(from))
+            ends.filter(move |(to, other)| from < *to || !other.was_gone_to(from))
                 .map(move |(to, _)| (from, to))
-        });
-        links
+        })
     }
 
     /// Pairs of places between which the way has proved blocked, each once, as of

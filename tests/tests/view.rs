@@ -281,7 +281,7 @@ fn a_robot_is_led_home_and_the_page_draws_its_places() {
         }
     }
     page.wait("places.line.getAttribute('d').split('L').length === view.now.way.length + 1");
-    keep_aside("view-home.png", &mut page);
+    keep("view-home.png", &mut page);
     page.eval("ask('speed', {factor: null})");
     page.click("#pause");
     page.wait("view.now.mode === 'stopped' && view.now.note === 'home is reached'");

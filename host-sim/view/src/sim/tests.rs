@@ -331,6 +331,25 @@ fn a_chain_is_pursued_to_its_last_goal_and_can_be_gone_on_with() {
     assert_eq!(simulator.snapshot().now.note, None);
 }
 
+/// A decision that was taken for the goal before does not count for the next one.
+#[test]
+fn the_next_goal_of_a_chain_is_reached_by_its_own_decisions() {
+    let mut simulator = simulator(SonarModel::Ideal);
+    educate(&mut simulator);
+    let chain = PageCommand::Behavior {
+        name: "avoid,nest".to_owned(),
+        tour: None,
+    };
+    simulator.execute(&chain).unwrap();
+    simulator.execute(&PageCommand::Seek).unwrap();
+    while simulator.activity == SimulatorActivity::Seek && simulator.seeking.steps < 1_000 {
+        decide(&mut simulator, 1);
+    }
+    let nest = simulator.nest.unwrap().1;
+    let off = simulator.body.pose().position.distance(nest);
+    assert!(off < 0.4, "{off} m away");
+}
+
 #[test]
 fn a_log_with_several_starts_plays_from_one_to_the_next() {
     let folder = tempfile::tempdir().unwrap();

@@ -32,6 +32,11 @@ fn simulator(sonar: SonarModel, tour: u32) -> Simulator {
     Simulator::new(start, ControllerPlace::Host, None).unwrap()
 }
 
+/// Whether it still seeks, within a time that is long enough for all of these.
+fn seeks(simulator: &Simulator) -> bool {
+    simulator.activity == SimulatorActivity::Seek && simulator.seeking.steps < 400
+}
+
 /// A part of a snapshot.
 fn part(simulator: &mut Simulator, name: &str) -> Arc<dyn PartMessage> {
     let parts = simulator.snapshot().into_parts();
@@ -70,7 +75,7 @@ fn home_on_the_page_is_home_in_an_episode() {
         educate(&mut simulator);
         simulator.execute(&PageCommand::Seek).unwrap();
         let mut driven = Vec::new();
-        while simulator.activity == SimulatorActivity::Seek {
+        while seeks(&simulator) {
             driven.extend(decide(&mut simulator, 1));
             let _ = simulator.snapshot().into_parts();
         }
@@ -140,7 +145,7 @@ fn the_way_home_leads_over_sub_goals_to_the_start() {
     assert!(now.way.is_some());
     assert!(now.goal.tour < Some([30, 150]), "{:?}", now.goal.tour);
     let mut longest = 0;
-    while simulator.activity == SimulatorActivity::Seek {
+    while seeks(&simulator) {
         decide(&mut simulator, 1);
         let now = simulator.snapshot().now;
         if now.goal.tour == Some([150, 150])
@@ -165,7 +170,9 @@ fn a_robot_goes_to_a_position_and_stops_there() {
     let to = simulator.body.pose().position;
     // Somewhere else it is told to come here.
     simulator.execute(&PageCommand::Seek).unwrap();
-    rest(&mut simulator);
+    while seeks(&simulator) {
+        decide(&mut simulator, 1);
+    }
     let far = simulator.body.pose().position.distance(to);
     assert!(far > 0.5, "{far}");
     let wall = PageCommand::GoalPosition { x: 99.0, y: 0.0 };
@@ -174,7 +181,9 @@ fn a_robot_goes_to_a_position_and_stops_there() {
     simulator.execute(&there).unwrap();
     assert!(simulator.execute(&PageCommand::SaveGoal).is_err());
     simulator.execute(&PageCommand::Seek).unwrap();
-    rest(&mut simulator);
+    while seeks(&simulator) {
+        decide(&mut simulator, 1);
+    }
     let off = simulator.body.pose().position.distance(to);
     assert!(off < 0.1, "{off} m away");
     let now = simulator.snapshot().now;
@@ -197,7 +206,7 @@ fn a_robot_that_was_carried_begins_anew_where_it_was_set_down() {
     assert!(error_m(&mut simulator) < 0.05);
     assert!((1..4).contains(&count(&places(&mut simulator), "places")));
     // It does not take where it was set down for home: it looks for the situation.
-    while simulator.activity == SimulatorActivity::Seek && simulator.seeking.steps < 300 {
+    while seeks(&simulator) {
         decide(&mut simulator, 1);
     }
     let place = simulator.body.pose().position;
