@@ -16,6 +16,7 @@ mod echo_trail;
 mod goal;
 pub mod guard;
 mod history;
+pub mod known_places;
 mod nomad;
 mod page;
 pub mod playback_clock;

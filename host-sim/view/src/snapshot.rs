@@ -4,6 +4,7 @@
 //! it has changed. All field names are part of the protocol.
 
 pub use super::counts::DriveCounts;
+pub use super::known_places::PlacesDto;
 use super::source::Capabilities;
 use serde::{Serialize, Serializer};
 use std::sync::{Arc, OnceLock};
@@ -44,7 +45,7 @@ pub struct SnapshotPart<T> {
     name: &'static str,
     index: u64,
     revision: u64,
-    value: T,
+    pub(super) value: T,
     text: OnceLock<Arc<str>>,
 }
 
@@ -59,11 +60,6 @@ impl<T: Serialize> SnapshotPart<T> {
             value,
             text: OnceLock::new(),
         }
-    }
-
-    /// What it shows.
-    pub fn value(&self) -> &T {
-        &self.value
     }
 }
 
@@ -243,19 +239,6 @@ pub struct MemoryRow {
     pub after: [Option<Rounded>; 16],
     /// Executed displacement, meters in the ring's frame.
     pub moved_m: Xy,
-}
-
-/// A memory of places, where the robot takes them to be in the world, meters.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct PlacesDto {
-    /// Positions.
-    pub places: Vec<Xy>,
-    /// Indices of two places between which the robot went.
-    pub links: Vec<[u16; 2]>,
-    /// Indices of two places between which the way is blocked.
-    pub blocked: Vec<[u16; 2]>,
-    /// Open ways: from a place to where the robot has not been.
-    pub frontiers: Vec<[Xy; 2]>,
 }
 
 /// A past decision: time, s; place, m; 0 = exploring, 1 = seeking; flags 1 = touched, 2 = shielded,

@@ -23,8 +23,8 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
         RECORDS > 0 && self.places.is_thinking()
     }
 
-    /// The way that it was led last, as of [`Places::plan`]; nothing if it is not to be led. Whether
-    /// it is led now tells [`State::is_led`](crate::controller::State::is_led).
+    /// The way that it was led last, as of [`Places::plan`]; nothing if it is not to be led.
+    /// [`State::is_led`](crate::controller::State::is_led) tells whether it is led now.
     pub fn plan(&self) -> impl Iterator<Item = Displacement> {
         let aim = self.is_led.then_some(self.aim);
         aim.into_iter().flat_map(|aim| self.places.plan(aim))

@@ -43,7 +43,7 @@ impl PlaceFrame {
     }
 
     /// Places farther than 32 m are not in the frame.
-    fn from_world(self, place: Point) -> Displacement {
+    fn to_frame(self, place: Point) -> Displacement {
         let way = (place - self.pose.position).turned_back(Point::unit(self.pose.heading));
         let mm = |m: f64| libm::round(m * 1e3) as i32;
         Displacement::saturating(mm(way.x), mm(self.side * way.y))
@@ -75,7 +75,7 @@ impl Simulator {
         let aim = if self.goal.is_touring() {
             Aim::Frontier
         } else if let Some(place) = self.goal.position() {
-            Aim::Position(self.frame.from_world(place))
+            Aim::Position(self.frame.to_frame(place))
         } else if self.goal.is_home() && self.frame.begins_at_home {
             Aim::Position(Displacement::ZERO)
         } else {
@@ -129,7 +129,7 @@ impl Simulator {
     pub(super) fn places(&mut self, revision: u64) -> Option<Arc<dyn PartMessage>> {
         let places = self.places_dto()?;
         let kept = self.cache.places.take();
-        let part = match kept.filter(|part| *part.value() == places) {
+        let part = match kept.filter(|part| part.value == places) {
             Some(part) => part,
             None => Arc::new(SnapshotPart::new("places", 0, revision, places)),
         };
