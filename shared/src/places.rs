@@ -2,7 +2,7 @@
 //!
 //! A record stands for the ground around a position. Records are linked where the robot went, where
 //! they are near, or where its body would fit between them. A goal becomes a chain of sub-goals:
-//! [`Places::lead`] spreads the length of the way from the goal over the links, and the next
+//! [`Places::think`] spreads the length of the way from the goal over the links, and the next
 //! sub-goal is the record in sight from which the whole way is shortest. A free way whose end no
 //! record covers is a *frontier*: it counts as a way to the goal as well, so that what is not known
 //! yet is searched for (Yamauchi 1997, *A frontier-based approach for autonomous exploration*).
