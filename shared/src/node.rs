@@ -3,9 +3,9 @@
 //! [`Node::frame`] takes a received frame, does what it asks for and sends the answers.
 //! [`Node::tick`] lets time pass: a slice of learning, the supervision of link and ring, motions
 //! renewed before they expire. Every accepted frame but a sign of life is answered with its results
-//! and then [`DeviceMessage::Done`](crate::wire::DeviceMessage::Done); what a body
-//! [thinks](Body::think) about first is a result as well. When the last accepted frame
-//! is repeated, its answer is sent again byte for byte, and nothing is done twice.
+//! and then [`DeviceMessage::Done`](crate::wire::DeviceMessage::Done). A body that
+//! [thinks](Body::think) first answers when it has decided. When the last accepted frame is
+//! repeated, its answer is sent again byte for byte, and nothing is done twice.
 //!
 //! When the host falls silent for longer than [`SILENCE_MS`](crate::link::SILENCE_MS) the robot
 //! stops with [`StopReason::LinkLost`] and stays stopped until the host resumes it.

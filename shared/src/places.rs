@@ -155,6 +155,8 @@ pub struct Places<const SECTORS: usize, const RECORDS: usize> {
     view: SituationBytes<SECTORS>,
     purpose: Purpose,
     stage: Stage,
+    /// What it has found.
+    leg: Leg,
 }
 
 impl<const SECTORS: usize, const RECORDS: usize> Default for Places<SECTORS, RECORDS> {
@@ -180,6 +182,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             view: [0; SECTORS],
             purpose: Purpose::Lead(Aim::Position(Displacement::ZERO)),
             stage: Stage::Done,
+            leg: Leg::ZERO,
         }
     }
 

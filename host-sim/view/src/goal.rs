@@ -80,7 +80,7 @@ impl ActiveGoal {
     /// Starts with the first part, at these counts of steps.
     pub fn begin(&mut self, steps: u32, goal_steps: u32) {
         (self.part, self.begun, self.is_complete) = (0, [steps, goal_steps], false);
-        self.is_touring = self.tour_steps() > Some(0);
+        self.is_touring = self.tour_steps().is_some_and(|all| all > 0);
     }
 
     /// Advances to the way home after a tour, and to the next part of a chain if the current one is
@@ -110,7 +110,7 @@ impl ActiveGoal {
     /// that is no place to go to is never over by itself.
     fn is_part_over(&self, [steps, goal_steps]: [u32; 2]) -> bool {
         match &self.kind {
-            _ if self.is_touring => Some(steps) >= self.tour_steps(),
+            _ if self.is_touring => self.tour_steps().is_none_or(|all| steps >= all),
             GoalKind::Position(_) => goal_steps > 0,
             GoalKind::Behavior(behavior) => {
                 let ends = behavior.parts().len() > 1 || self.is_home();

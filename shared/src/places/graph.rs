@@ -138,7 +138,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
     }
 
     /// So many places with their numbers, from one on.
-    pub(super) fn some(
+    pub(super) fn numbered_from(
         &self,
         first: u16,
         count: u16,
@@ -199,7 +199,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
         }
     }
 
-    /// Adds to a place what a robot perceives that is there; whether it is.
+    /// Adds what is perceived to a place, if the robot is there; returns whether it is.
     pub(super) fn complete(
         &mut self,
         index: u16,

@@ -33,6 +33,10 @@ pub(super) enum Stage {
     Wave,
     /// The places in sight, from this one on; the best before it.
     Sight(u16, Candidate),
+    /// Nothing more, but the decision takes long enough for a part of its own: with a way, or
+    /// without.
+    Led,
+    NotLed,
 }
 
 /// Length of the way by a place, and the place: less is better.
@@ -81,25 +85,27 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             Stage::FreeWays(first) => self.measure_ways(limits, points, first, steps),
             Stage::Frontiers => self.find_frontiers(limits),
             Stage::Purpose => match self.purpose {
-                Purpose::Perceive => return Poll::Ready(None),
-                Purpose::Search | Purpose::Stay => return Poll::Ready(self.searched()),
-                Purpose::Lead(_) => {
-                    if let Some(way) = self.known_way(limits, points, sought) {
-                        return Poll::Ready(Some(self.leg(limits, points, way)));
+                Purpose::Perceive => Stage::NotLed,
+                Purpose::Search | Purpose::Stay => self.searched(),
+                Purpose::Lead(_) => match self.known_way(limits, points, sought) {
+                    Some(way) => self.led(self.leg_along(limits, points, way)),
+                    None => {
+                        self.wavefront.begin();
+                        Stage::Sources(0)
                     }
-                    self.wavefront.begin();
-                    Stage::Sources(0)
-                }
+                },
             },
             Stage::Sources(first) => self.begin_wave(limits, sought, first, steps),
             Stage::Wave => self.spread(limits, steps),
             Stage::Sight(first, best) if usize::from(first) < self.graph.records().len() => {
                 self.look(limits, points, (first, best), steps)
             }
-            Stage::Sight(_, best) => {
-                let way = self.new_way(limits, points, sought, best);
-                return Poll::Ready(way.map(|way| self.leg(limits, points, way)));
-            }
+            Stage::Sight(_, best) => match self.new_way(limits, points, sought, best) {
+                Some(way) => self.led(self.leg_along(limits, points, way)),
+                None => Stage::NotLed,
+            },
+            Stage::Led => return Poll::Ready(Some(self.leg)),
+            Stage::NotLed => return Poll::Ready(None),
         };
         Poll::Pending
     }
@@ -153,15 +159,24 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     }
 
     /// The situation that it seeks is found here, or sought here in vain.
-    fn searched(&mut self) -> Option<Leg> {
+    fn searched(&mut self) -> Stage {
         let is_found = self.purpose == Purpose::Stay;
         if let Some(current) = self.current {
             self.graph.searched(current, is_found);
         }
-        is_found.then_some(Leg::HERE)
+        if is_found {
+            self.led(Leg::HERE)
+        } else {
+            Stage::NotLed
+        }
     }
 
-    fn leg<const POINTS: usize>(
+    const fn led(&mut self, leg: Leg) -> Stage {
+        self.leg = leg;
+        Stage::Led
+    }
+
+    fn leg_along<const POINTS: usize>(
         &self,
         limits: &PlaceLimits,
         points: &PointMemory<POINTS>,

@@ -91,7 +91,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         steps: u16,
     ) -> Stage {
         let fits = |way: Displacement| points.free_mm(way, limits.radius_mm) >= way.length_mm();
-        for (index, record) in self.graph.some(first, steps) {
+        for (index, record) in self.graph.numbered_from(first, steps) {
             let way = record.at.minus(self.here);
             let length_mm = way.length_mm();
             let Some(to_goal_mm) = self.wavefront.cost_mm(index) else {
@@ -189,7 +189,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             goal.minus(record.at).is_shorter_than(limits.near_mm.into())
         };
         let is_known = goal.is_some_and(|goal| graph.records().iter().any(|r| is_near(goal, r)));
-        for (index, record) in graph.some(first, steps) {
+        for (index, record) in graph.numbered_from(first, steps) {
             if let Some(goal) = goal {
                 let way = goal.minus(record.at);
                 let length_mm = way.length_mm();
