@@ -8,25 +8,31 @@
 //! yet is searched for (Yamauchi 1997, *A frontier-based approach for autonomous exploration*).
 //!
 //! Positions come from odometry, corrected by what is perceived at known places, in the frame of
-//! the start: ±32 m.
+//! the start: ±32 m. A heading that drifts is corrected by the directions of walls.
 //!
 //! [`Places::begin`] begins to think and [`Places::think`] does a part of it: on a chip events are
 //! handled in between.
 
 use crate::memory::SituationBytes;
-use crate::units::Displacement;
+use crate::points::WallDirections;
+use crate::scan::Encoding;
+use crate::units::{Bearing, Displacement};
 
+mod compass;
 mod graph;
 mod locate;
 mod recall;
 mod recent;
 mod record;
+mod relocate;
 mod stage;
 mod sub_goal;
 mod wavefront;
 
+use compass::Compass;
 use graph::Graph;
 use recent::Recent;
+use relocate::Best;
 pub use stage::SLICE;
 use stage::Stage;
 use wavefront::Wavefront;
@@ -153,8 +159,19 @@ pub struct Places<const SECTORS: usize, const RECORDS: usize> {
     wavefront: Wavefront<RECORDS>,
     /// What it thinks about: what it perceives here, and what for; all zeros at first.
     view: SituationBytes<SECTORS>,
+    encoding: Encoding,
     purpose: Purpose,
     stage: Stage,
+    /// Its heading does not drift.
+    has_compass: bool,
+    compass: Compass,
+    /// Walls heard here.
+    walls: WallDirections,
+    /// Since the compass heard walls.
+    traveled_mm: u16,
+    /// What the heading is to be corrected by.
+    turn: Bearing,
+    best: Best,
     /// What it has found.
     leg: Leg,
 }
@@ -180,6 +197,16 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             recent: Recent::NEW,
             wavefront: Wavefront::NEW,
             view: [0; SECTORS],
+            encoding: Encoding {
+                near_mm: 0,
+                far_mm: 0,
+            },
+            has_compass: false,
+            compass: Compass::NEW,
+            walls: WallDirections::NONE,
+            traveled_mm: 0,
+            turn: Bearing::ZERO,
+            best: Best::ZERO,
             purpose: Purpose::Lead(Aim::Position(Displacement::ZERO)),
             stage: Stage::Done,
             leg: Leg::ZERO,
@@ -193,6 +220,18 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         (self.frontier, self.frontier_age) = (None, 0);
         (self.target, self.found, self.recent) = (None, None, Recent::NEW);
         self.stage = Stage::Done;
+        (self.compass, self.traveled_mm) = (Compass::NEW, 0);
+    }
+
+    /// The heading of the odometry is that of a compass, or of a turret that is held: it does not
+    /// drift.
+    pub const fn trust_heading(&mut self, has_compass: bool) {
+        self.has_compass = has_compass;
+    }
+
+    /// By how much the robot faces farther to the left than was thought, since it was asked last.
+    pub const fn take_turn(&mut self) -> Bearing {
+        core::mem::replace(&mut self.turn, Bearing::ZERO)
     }
 
     /// From now on something else is sought.
@@ -272,6 +311,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     /// The robot has moved, in the frame of the start.
     pub fn moved(&mut self, moved: Displacement) {
         self.here = self.here.plus(moved);
+        self.traveled_mm = self.traveled_mm.saturating_add(moved.length_mm());
     }
 }
 

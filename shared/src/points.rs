@@ -21,11 +21,13 @@ use serde::{Deserialize, Serialize};
 mod arc;
 mod near;
 mod sectors;
+mod walls;
 
 use arc::{Arc, FreeBeam, Ray};
 pub(crate) use near::Lobe;
 pub(crate) use sectors::sector_at;
 use sectors::{sectors_at, with_views};
+pub(crate) use walls::{LATEST, PART, PARTS, WallDirections, shares};
 
 /// How long points last and what they tell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -176,6 +178,12 @@ impl<const POINTS: usize> PointMemory<POINTS> {
             self.points
                 .retain(|point| point.traveled.is_within(limits.keep_mm, now));
         }
+    }
+
+    /// The robot faces farther to the left than was thought. Points stay where they are thought to
+    /// be.
+    pub(crate) fn correct_heading(&mut self, turn: Bearing) {
+        self.heading = self.heading.plus(turn);
     }
 
     /// As [`moved`](Self::moved); all points are kept.

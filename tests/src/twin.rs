@@ -39,6 +39,7 @@ pub struct NodeTwin<B = HeldRing> {
     echoes: heapless::Vec<TimedEcho, 16>,
     /// The most slices of thinking before a decision.
     longest_thought: usize,
+    led_decisions: usize,
 }
 
 impl NodeTwin {
@@ -82,6 +83,7 @@ impl<B: Body<16>> NodeTwin<B> {
             rings,
             echoes: heapless::Vec::new(),
             longest_thought: 0,
+            led_decisions: 0,
         };
         let hello = twin.chip.open(SESSION, Clock::Host);
         let identity = amp::node::Identity {
@@ -121,6 +123,12 @@ impl<B: Body<16>> NodeTwin<B> {
     #[must_use]
     pub const fn longest_thought(&self) -> usize {
         self.longest_thought
+    }
+
+    /// Decisions for which its places led it.
+    #[must_use]
+    pub const fn led_decisions(&self) -> usize {
+        self.led_decisions
     }
 
     /// The node on the host.
@@ -285,6 +293,7 @@ impl<B: Body<16>> NodeTwin<B> {
             slices += 1;
         }
         self.longest_thought = self.longest_thought.max(slices);
+        self.led_decisions += usize::from(slices > 0 && self.local.state().is_led());
         let reports = reports(&said.0);
         self.awaited.extend(said.0);
         reports

@@ -21,8 +21,6 @@ const DECISIONS: usize = 40;
 const NOWHERE: [u8; 16] = [
     200, 20, 200, 20, 200, 20, 200, 20, 200, 20, 200, 20, 200, 20, 200, 20,
 ];
-/// Slices of a decision that needs no way.
-const PERCEIVES: usize = 8;
 
 /// Explores, learns, drives away, is led, seeks its nest; returns the peak of the stack.
 fn episode(machine: &Machine) -> u32 {
@@ -44,7 +42,7 @@ fn episode(machine: &Machine) -> u32 {
     twin.save_goal(nest);
     twin.seek(GoalSpec::Avoid);
     twin.decide(&mut body, DECISIONS);
-    assert!(twin.longest_thought() <= PERCEIVES);
+    assert_eq!(twin.led_decisions(), 0);
     for goal in [GoalSpec::Situation(NOWHERE), GoalSpec::Saved(nest)] {
         twin.seek(goal);
         twin.decide(&mut body, DECISIONS);
@@ -56,7 +54,9 @@ fn episode(machine: &Machine) -> u32 {
         "{}: {bytes} bytes the same; {places} places; a decision takes {slices} slices at most; peak of the stack {peak} bytes",
         machine.target
     );
-    assert!(slices > 2 * PERCEIVES, "it was never led");
+    // It hears walls in 32, and thinks on.
+    assert!(slices > 100, "{slices} slices");
+    assert!(twin.led_decisions() > 10, "{}", twin.led_decisions());
     assert!(places > 10, "{places} places");
     assert!(bytes >= 20_000, "{bytes} bytes");
     peak

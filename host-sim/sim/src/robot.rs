@@ -115,6 +115,12 @@ impl AnyRobot {
         self.is_led
     }
 
+    /// Whether its heading drifts, as its odometry does not measure.
+    #[must_use]
+    pub fn heading_drifts(&self) -> bool {
+        self.model.heading_drift > 0.0
+    }
+
     /// The same robot with a turret that keeps its bearing or turns with the wheels.
     ///
     /// # Errors

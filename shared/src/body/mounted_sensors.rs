@@ -80,6 +80,11 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize, const RECORD
         self.turret.lead_to(aim);
     }
 
+    /// As [`VirtualTurret::trust_heading`].
+    pub const fn trust_heading(&mut self, has_compass: bool) {
+        self.turret.trust_heading(has_compass);
+    }
+
     /// The body as it is known.
     #[must_use]
     pub const fn known(&self) -> &BodySpec<BEAMS> {

@@ -27,7 +27,8 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         };
         let thought = self.here.minus(place.at);
         let mut error = LeastSquares::NEW;
-        for (axis, nearer_mm) in nearer_things(encoding, &place.view, view) {
+        for (sector, nearer_mm) in nearer_things(encoding, &place.view, view) {
+            let axis = Bearing::of_place(sector, SECTORS).direction();
             let ahead_mm = nearer_mm - axis.along(thought.dx_mm.into(), thought.dy_mm.into());
             if ahead_mm.abs() <= SAME_MM {
                 error.add(axis, ahead_mm);
@@ -42,20 +43,19 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     }
 }
 
-/// By how much things are nearer now, millimeters, with the axes of their sectors. What is unknown
-/// or out of range, whose value is 0, is left out.
-fn nearer_things<const SECTORS: usize>(
+/// By how much things are nearer now, millimeters, with their sectors. What is unknown or out of
+/// range, whose value is 0, is left out.
+pub(super) fn nearer_things<const SECTORS: usize>(
     encoding: Encoding,
     before: &SituationBytes<SECTORS>,
     now: &SituationBytes<SECTORS>,
-) -> impl Iterator<Item = (Direction, i32)> + use<SECTORS> {
+) -> impl Iterator<Item = (usize, i32)> + use<SECTORS> {
     let [before, now] = [before, now].map(|view| memory::from_bytes(view).0);
     let pairs = before.into_iter().zip(now).enumerate();
     let seen = pairs.filter(|(_, (before, now))| before.to_bits() > 0 && now.to_bits() > 0);
     seen.map(move |(sector, (before, now))| {
         let change = i32::from(now.to_bits()) - i32::from(before.to_bits());
-        let axis = Bearing::of_place(sector, SECTORS).direction();
-        (axis, encoding.nearer_mm(change))
+        (sector, encoding.nearer_mm(change))
     })
 }
 

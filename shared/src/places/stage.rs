@@ -5,7 +5,8 @@ use super::record::WAYS;
 use super::{Aim, Leg, NOWHERE, PlaceLimits, Places, Purpose, ROOMS_MM};
 use crate::goal::Goal;
 use crate::memory::SituationBytes;
-use crate::points::PointMemory;
+use crate::points::{LATEST, PointMemory, WallDirections};
+use crate::scan::Encoding;
 use crate::units::Displacement;
 use core::mem;
 use core::task::Poll;
@@ -14,11 +15,22 @@ use core::task::Poll;
 /// an STM32F405.
 pub const SLICE: u16 = 8;
 
+/// To compare a point with all others takes about so many steps.
+const STEPS_PER_POINT: u16 = 8;
+
 /// What comes next. The first one is all zeros: static memory that begins otherwise takes flash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Stage {
     /// Nothing.
     Done,
+    /// The walls around it, of which the latest points tell, from this one on.
+    Walls(u16),
+    /// Which way it faces.
+    Heading,
+    /// Whether it may be elsewhere than it thinks.
+    Doubt,
+    /// Positions where it may be, from this one on.
+    Positions(u16),
     /// The place where the robot is.
     Place,
     /// The free ways around it, from this one on.
@@ -47,8 +59,14 @@ pub(super) const NO_CANDIDATE: Candidate = (u16::MAX, NOWHERE);
 impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     /// Begins to think of a robot that stands or is about to decide again, and perceives this in
     /// the frame of the start.
-    pub fn begin(&mut self, view: SituationBytes<SECTORS>, purpose: Purpose) {
-        (self.view, self.purpose, self.stage) = (view, purpose, Stage::Place);
+    pub fn begin(&mut self, encoding: Encoding, view: SituationBytes<SECTORS>, purpose: Purpose) {
+        (self.encoding, self.view, self.purpose) = (encoding, view, purpose);
+        self.stage = if self.has_compass {
+            Stage::Place
+        } else {
+            self.walls = WallDirections::NONE;
+            Stage::Walls(0)
+        };
     }
 
     /// Whether it has begun to think and has not come to an end.
@@ -81,6 +99,15 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         };
         self.stage = match mem::replace(&mut self.stage, Stage::Done) {
             Stage::Done => return Poll::Ready(None),
+            Stage::Walls(first) => self.hear_walls(points, first, steps),
+            Stage::Heading => {
+                let turn = self.compass.hear(self.traveled_mm, &self.walls);
+                (self.turn, self.traveled_mm) = (self.turn.plus(turn), 0);
+                Stage::Doubt
+            }
+            Stage::Doubt if self.doubts_position() => Stage::Positions(0),
+            Stage::Doubt => Stage::Place,
+            Stage::Positions(first) => self.compare_positions(first, steps),
             Stage::Place => self.find_place(limits),
             Stage::FreeWays(first) => self.measure_ways(limits, points, first, steps),
             Stage::Frontiers => self.find_frontiers(limits),
@@ -108,6 +135,24 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             Stage::NotLed => return Poll::Ready(None),
         };
         Poll::Pending
+    }
+
+    fn hear_walls<const POINTS: usize>(
+        &mut self,
+        points: &PointMemory<POINTS>,
+        first: u16,
+        steps: u16,
+    ) -> Stage {
+        let count = steps.div_ceil(STEPS_PER_POINT);
+        let last = first.saturating_add(count).min(LATEST);
+        for latest in first..last {
+            points.add_walls(latest, self.compass.frame(), &mut self.walls);
+        }
+        if last < LATEST {
+            Stage::Walls(last)
+        } else {
+            Stage::Heading
+        }
     }
 
     fn find_place(&mut self, limits: &PlaceLimits) -> Stage {

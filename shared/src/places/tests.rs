@@ -2,15 +2,22 @@ use super::*;
 use crate::goal::Goal;
 use crate::memory;
 use crate::points::{Beam, PointLimits, PointMemory};
+use crate::scan::Encoding;
 use crate::units::{Bearing, Range};
 use core::task::Poll;
 
 mod locate;
 mod reading;
+mod relocate;
 
 const LIMITS: PlaceLimits = PlaceLimits::NOMAD;
 const BODY_MM: f64 = 269.0;
 const FACE_MM: f64 = 231.0;
+/// That of [`Walker::view`].
+const ENCODING: Encoding = Encoding {
+    near_mm: 0,
+    far_mm: 4_500,
+};
 
 /// Walls between two points, millimeters.
 type Walls = [[f64; 4]];
@@ -149,7 +156,7 @@ fn think<const RECORDS: usize, const POINTS: usize>(
     goal: &Goal<16>,
     slice: u16,
 ) -> Option<Leg> {
-    places.begin(view, purpose);
+    places.begin(ENCODING, view, purpose);
     loop {
         assert!(places.is_thinking());
         if let Poll::Ready(leg) = places.think(&LIMITS, points, Some(goal), slice) {
@@ -301,7 +308,7 @@ fn what_it_thinks_of_ends_when_it_is_told() {
     let (points, view) = (walker.points.clone(), walker.view());
     let stops: [fn(&mut Places<16, 256>); 2] = [Places::stop_thinking, Places::forget];
     for stop in stops {
-        walker.places.begin(view, Purpose::Stay);
+        walker.places.begin(ENCODING, view, Purpose::Stay);
         let slice = walker.places.think(&LIMITS, &points, None, 1);
         assert_eq!(slice, Poll::Pending);
         stop(&mut walker.places);

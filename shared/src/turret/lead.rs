@@ -30,6 +30,11 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
         aim.into_iter().flat_map(|aim| self.places.plan(aim))
     }
 
+    /// As [`Places::trust_heading`].
+    pub const fn trust_heading(&mut self, has_compass: bool) {
+        self.places.trust_heading(has_compass);
+    }
+
     /// From now on a robot that pursues a goal is led there; `None`: it finds its way by the goal
     /// alone.
     pub const fn lead_to(&mut self, aim: Option<Aim>) {
@@ -67,7 +72,9 @@ where
         let view = memory::to_bytes(&situation, turret.known);
         turret.places.locate(self.config.encoding, &view);
         let purpose = self.purpose(&view);
-        self.turret.places.begin(view, purpose);
+        self.turret
+            .places
+            .begin(self.config.encoding, view, purpose);
     }
 
     /// What its places are to do. To a situation it is led where it comes no nearer by itself.
@@ -89,7 +96,9 @@ where
         let limits = PlaceLimits::of_body(self.kept_free_mm());
         let turret = &mut *self.turret;
         let goal = self.controller.goal();
-        match turret.places.think(&limits, &turret.memory, goal, SLICE) {
+        let thought = turret.places.think(&limits, &turret.memory, goal, SLICE);
+        turret.memory.correct_heading(turret.places.take_turn());
+        match thought {
             Poll::Pending => Outputs::NONE,
             Poll::Ready(leg) => self.decide_on(leg),
         }

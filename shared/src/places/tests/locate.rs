@@ -1,13 +1,6 @@
 //! Where the robot is, by what it perceives.
 
 use super::*;
-use crate::scan::Encoding;
-
-/// That of [`Walker::view`].
-const ENCODING: Encoding = Encoding {
-    near_mm: 0,
-    far_mm: 4_500,
-};
 
 impl Walker<'_> {
     /// Odometry tells that it went there, and it did not.

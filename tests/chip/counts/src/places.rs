@@ -45,6 +45,7 @@ pub fn count(watch: &Stopwatch, map: &mut Map) -> PlaceCounts {
         counts: PlaceCounts::default(),
     };
     let around = THINGS_MM.map(things);
+    robot.map.trust_heading(true);
     for row in 0..ROWS {
         for column in 0..ROW {
             let view = core::array::from_fn(|sector| (80 + row + column) as u8 + sector as u8);
@@ -61,6 +62,7 @@ pub fn count(watch: &Stopwatch, map: &mut Map) -> PlaceCounts {
         // As many as there may be.
         if robot.map.positions().len() == 256 {
             robot.lead_everywhere(&around);
+            robot.lead_everywhere(&[wall()]);
         }
     }
     robot.counts
@@ -84,7 +86,7 @@ impl MappedRobot<'_> {
     /// Instructions of all slices.
     fn think(&mut self, points: &PointMemory<256>, view: [u8; 16], purpose: Purpose) -> u32 {
         let (limits, goal) = (PlaceLimits::NOMAD, perceived(100));
-        self.map.begin(view, purpose);
+        self.map.begin(ENCODING, view, purpose);
         let mut all = 0;
         loop {
             let (instructions, thought) = self.watch.count(|| {
@@ -100,11 +102,12 @@ impl MappedRobot<'_> {
     }
 
     /// From the middle: where it has not been, to a situation, and far away; nothing that it tries
-    /// goes, so that it gives up ways.
+    /// goes, so that it gives up ways. Its heading drifts, and it perceives nothing that it knows.
     fn lead_everywhere(&mut self, around: &[PointMemory<256>]) {
         let here = self.map.here();
         let half_mm = APART_MM * ROW / 2;
-        self.map.moved(to(half_mm, half_mm).minus(here));
+        let middle = to(half_mm, half_mm);
+        self.map.trust_heading(false);
         for points in around {
             for aim in [
                 Aim::Frontier,
@@ -114,6 +117,7 @@ impl MappedRobot<'_> {
             ] {
                 self.map.seek_anew();
                 for _ in 0..20 {
+                    self.map.moved(middle.minus(self.map.here()));
                     let instructions = self.think(points, [100; 16], Purpose::Lead(aim));
                     self.counts.lead.add(instructions);
                 }
@@ -121,22 +125,41 @@ impl MappedRobot<'_> {
         }
         let back = here.minus(self.map.here());
         self.map.moved(back);
+        self.map.trust_heading(true);
     }
+}
+
+/// A wall on the left, of which all 256 points tell: 16 of them heard here.
+fn wall() -> PointMemory<256> {
+    let mut points = PointMemory::new();
+    for (count, way) in [(240, to(400, 0)), (16, to(0, 0))] {
+        for sensor in 0..count {
+            // Within 7° of its normal.
+            let axis = Bearing::of_place(960 + sensor % 64, 4_096);
+            points.hear(&PointLimits::NOMAD, &echo(axis, 900));
+        }
+        points.moved(&PointLimits::NOMAD, way, Bearing::ZERO);
+    }
+    points
 }
 
 /// Things all around that leave 256 points.
 fn things(range_mm: u16) -> PointMemory<256> {
     let mut points = PointMemory::new();
     for sensor in 0..256 {
-        let beam = Beam {
-            mount: Displacement::ZERO,
-            axis: Bearing::of_place(sensor, 256),
-            range: Range::from_mm(range_mm),
-            is_echo: true,
-        };
-        points.hear(&PointLimits::NOMAD, &beam);
+        let echo = echo(Bearing::of_place(sensor, 256), range_mm);
+        points.hear(&PointLimits::NOMAD, &echo);
     }
     points
+}
+
+fn echo(axis: Bearing, range_mm: u16) -> Beam {
+    Beam {
+        mount: Displacement::ZERO,
+        axis,
+        range: Range::from_mm(range_mm),
+        is_echo: true,
+    }
 }
 
 fn perceived(value: u8) -> Goal<16> {

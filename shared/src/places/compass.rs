@@ -1,0 +1,144 @@
+//! Which way the robot faces: walls keep their directions.
+
+use crate::points::{PART, PARTS, WallDirections, shares};
+use crate::units::Bearing;
+
+/// Headings are compared up to so many parts of a right angle to each side: 11°.
+const ASIDE: usize = 4;
+const HEADINGS: usize = 2 * ASIDE + 1;
+/// The sum of all probabilities.
+const SURE: u32 = 1 << 15;
+/// For each millimeter so many 65 536ths of a probability go to each of its neighbors: a heading
+/// drifts by 1.1° in the first meter, by 3.5° in ten.
+const SPREAD_PER_MM: u32 = 5;
+/// All weights of walls are halved when one is larger: what was heard long ago counts less.
+const MOST_WEIGHT: u32 = 1 << 24;
+/// Scores are counted in units of this.
+const SCORE: u32 = 256;
+
+/// The walls that the robot knows, and what it believes of its heading. It hears walls in a frame
+/// that is turned with the odometry and follows its drift by whole parts only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Compass {
+    /// Weights of walls, in the frame of the start.
+    known: [u32; PARTS],
+    /// Probabilities of errors of the odometry's heading, from [`ASIDE`] parts to the right on; all
+    /// zeros at first, when it is right.
+    belief: [u16; HEADINGS],
+    /// The error that is expected, turns to the left: by so much it has been corrected.
+    error: i16,
+}
+
+impl Compass {
+    /// No wall is known.
+    pub(super) const NEW: Self = Self {
+        known: [0; PARTS],
+        belief: [0; HEADINGS],
+        error: 0,
+    };
+
+    /// Turns from the frame of the start to that of [`hear`](Self::hear).
+    pub(super) const fn frame(&self) -> Bearing {
+        Bearing::from_turns(self.error.wrapping_neg().cast_unsigned())
+    }
+
+    /// The robot has gone so far since it heard walls, and hears these. Returns by how much it
+    /// faces farther to the left than it thought.
+    pub(super) fn hear(&mut self, traveled_mm: u16, walls: &WallDirections) -> Bearing {
+        self.spread(traveled_mm);
+        self.weigh(walls);
+        let before = self.error;
+        self.error = self.expected_error();
+        let turn = Bearing::from_turns(self.error.wrapping_sub(before).cast_unsigned());
+        self.remember(walls);
+        self.follow();
+        turn
+    }
+
+    /// The farther the robot has gone the less is known.
+    fn spread(&mut self, traveled_mm: u16) {
+        if self.belief == [0; HEADINGS] {
+            self.belief[ASIDE] = SURE as u16;
+        }
+        let share = (u32::from(traveled_mm) * SPREAD_PER_MM).min(1 << 14);
+        let given = self.belief.map(|belief| (u32::from(belief) * share) >> 16);
+        let given_by = |index: usize| given.get(index).copied().unwrap_or(0);
+        for (index, belief) in self.belief.iter_mut().enumerate() {
+            let gets = given_by(index.wrapping_sub(1)) + given_by(index + 1);
+            *belief = (u32::from(*belief) - 2 * given_by(index) + gets) as u16;
+        }
+    }
+
+    /// A heading is the more probable the more of the walls it puts where walls are known: chance
+    /// gives a score of 1.
+    fn weigh(&mut self, walls: &WallDirections) {
+        let known: u64 = self.known.iter().map(|weight| u64::from(*weight)).sum();
+        let heard: u64 = walls
+            .weights()
+            .iter()
+            .map(|weight| u64::from(*weight))
+            .sum();
+        let by_chance = known * heard / PARTS as u64;
+        if by_chance == 0 {
+            return;
+        }
+        let score = |heading: usize| {
+            let parts = walls.weights().iter().enumerate();
+            let matches = parts.map(|(part, weight)| {
+                // The farther to the left it faces, the farther to the right it sees them.
+                let known = self.known[(part + heading + PARTS - ASIDE) % PARTS];
+                u64::from(*weight) * u64::from(known)
+            });
+            // At most 32.
+            (matches.sum::<u64>() * u64::from(SCORE) / by_chance) as u32
+        };
+        let mut weighed = [0; HEADINGS];
+        for (heading, (weighed, belief)) in weighed.iter_mut().zip(self.belief).enumerate() {
+            *weighed = u32::from(belief) * (SCORE + score(heading)) / SCORE;
+        }
+        let sum: u32 = weighed.iter().sum();
+        self.belief = weighed.map(|weighed| {
+            let probability = u64::from(weighed) * u64::from(SURE);
+            probability.checked_div(sum.into()).unwrap_or(0) as u16
+        });
+    }
+
+    fn expected_error(&self) -> i16 {
+        let headings = self.belief.iter().enumerate();
+        let (sum, moment) = headings.fold((0, 0), |(sum, moment), (heading, belief)| {
+            let belief = i32::from(*belief);
+            let parts = heading as i32 - ASIDE as i32;
+            (sum + belief, moment + belief * parts)
+        });
+        // At most 2¹⁵ of 4 parts of 2⁹ turns.
+        (moment * i32::from(PART)).checked_div(sum).unwrap_or(0) as i16
+    }
+
+    fn remember(&mut self, walls: &WallDirections) {
+        for (part, weight) in walls.weights().iter().enumerate() {
+            let heard = Bearing::from_turns(part as u16 * PART);
+            for (part, share) in shares(heard.minus(self.frame()), *weight) {
+                self.known[part % PARTS] += u32::from(share);
+            }
+        }
+        if self.known.iter().any(|weight| *weight > MOST_WEIGHT) {
+            self.known = self.known.map(|weight| weight / 2);
+        }
+    }
+
+    /// Headings are compared to both sides of about the one that is expected.
+    fn follow(&mut self) {
+        if self.error > PART.cast_signed() {
+            self.belief.rotate_left(1);
+            self.belief[HEADINGS - 1] = 0;
+            self.error -= PART.cast_signed();
+        } else if self.error < -PART.cast_signed() {
+            self.belief.rotate_right(1);
+            self.belief[0] = 0;
+            self.error += PART.cast_signed();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,82 @@
+use super::*;
+
+fn degrees(angle: f64) -> Bearing {
+    Bearing::from_turns((angle / 360.0 * 65_536.0).round() as i32 as u16)
+}
+
+fn as_degrees(turns: i16) -> f64 {
+    f64::from(turns) * 360.0 / 65_536.0
+}
+
+/// A robot among walls whose odometry errs.
+#[derive(Default)]
+struct Drifting {
+    compass: Option<Compass>,
+    /// Farther to the left than its odometry tells.
+    error_deg: f64,
+    corrected: i16,
+}
+
+impl Drifting {
+    /// Goes on by 0.25 m and hears walls whose normals are these.
+    fn goes(&mut self, drift_deg: f64, normals_deg: &[f64]) -> f64 {
+        self.error_deg += drift_deg;
+        let compass = self.compass.get_or_insert(Compass::NEW);
+        let mut walls = WallDirections::NONE;
+        for normal in normals_deg {
+            let seen = normal - self.error_deg + as_degrees(self.corrected);
+            walls.add(degrees(seen).plus(compass.frame()), 100);
+        }
+        let turn = compass.hear(250, &walls);
+        self.corrected += turn.as_signed_turns();
+        (self.error_deg - as_degrees(self.corrected)).abs()
+    }
+}
+
+#[test]
+fn a_heading_that_drifts_far_is_known_by_the_walls() {
+    for drift in [-0.05, 0.05] {
+        let mut robot = Drifting::default();
+        for _ in 0..20 {
+            robot.goes(0.0, &[10.0, 100.0]);
+        }
+        // 30° in all, beyond what is compared at a time.
+        for step in 0..600 {
+            let error = robot.goes(drift, &[10.0, -80.0]);
+            assert!(error < 2.8, "{step}: {error}");
+        }
+    }
+}
+
+#[test]
+fn without_walls_the_heading_is_that_of_the_odometry() {
+    let mut robot = Drifting::default();
+    for _ in 0..200 {
+        robot.goes(0.1, &[]);
+    }
+    assert_eq!(robot.corrected, 0);
+}
+
+/// Something askew now and then, and no wall in between.
+#[test]
+fn a_few_things_askew_turn_it_little() {
+    let mut robot = Drifting::default();
+    for _ in 0..40 {
+        robot.goes(0.0, &[0.0, 0.0, 0.0]);
+    }
+    for _ in 0..4 {
+        robot.goes(0.0, &[8.0]);
+    }
+    assert!(robot.goes(0.0, &[0.0]) < 1.5);
+}
+
+#[test]
+fn it_hears_walls_for_days() {
+    let mut robot = Drifting::default();
+    for _ in 0..200_000 {
+        robot.goes(0.0, &[5.0; 100]);
+    }
+    robot.goes(4.0, &[5.0; 100]);
+    let errors = (0..10).map(|_| robot.goes(0.0, &[5.0; 100]));
+    assert!(errors.last() < Some(1.0));
+}
