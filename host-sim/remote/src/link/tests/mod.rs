@@ -62,8 +62,10 @@ fn another_robot_is_the_same_at_the_other_end_of_a_link() {
         (SonarModel::Ideal, Origin::Known),
         (SonarModel::Nomad, Origin::Learned),
     ] {
-        let model = RobotModel::builtin("thymio2").unwrap();
-        let robot = AnyRobot::new(model, Ranges::Nomad, true).unwrap();
+        // A device takes its heading to drift.
+        let model = RobotModel::builtin("p3dx").unwrap();
+        let robot = AnyRobot::new(model, Ranges::Own, true).unwrap();
+        assert!(robot.heading_drifts());
         let robot = robot.scrambled(3).with_geometry(geometry).unwrap();
         let setup = Setup {
             config: robot.config(Config::recommended()),
