@@ -32,7 +32,7 @@ mod wavefront;
 use compass::Compass;
 use graph::Graph;
 use recent::Recent;
-use relocate::Best;
+use relocate::BestPosition;
 pub use stage::SLICE;
 use stage::Stage;
 use wavefront::Wavefront;
@@ -171,7 +171,7 @@ pub struct Places<const SECTORS: usize, const RECORDS: usize> {
     traveled_mm: u16,
     /// What the heading is to be corrected by.
     turn: Bearing,
-    best: Best,
+    best: BestPosition,
     /// What it has found.
     leg: Leg,
 }
@@ -206,7 +206,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             walls: WallDirections::NONE,
             traveled_mm: 0,
             turn: Bearing::ZERO,
-            best: Best::ZERO,
+            best: BestPosition::ZERO,
             purpose: Purpose::Lead(Aim::Position(Displacement::ZERO)),
             stage: Stage::Done,
             leg: Leg::ZERO,

@@ -4,15 +4,15 @@ use crate::points::{PART, PARTS, WallDirections, shares};
 use crate::units::Bearing;
 
 /// Headings are compared up to so many parts of a right angle to each side: 11°.
-const ASIDE: usize = 4;
-const HEADINGS: usize = 2 * ASIDE + 1;
+const PARTS_ASIDE: usize = 4;
+const HEADINGS: usize = 2 * PARTS_ASIDE + 1;
 /// The sum of all probabilities.
-const SURE: u32 = 1 << 15;
+const TOTAL: u32 = 1 << 15;
 /// For each millimeter so many 65 536ths of a probability go to each of its neighbors: a heading
 /// drifts by 1.1° in the first meter, by 3.5° in ten.
 const SPREAD_PER_MM: u32 = 5;
 /// All weights of walls are halved when one is larger: what was heard long ago counts less.
-const MOST_WEIGHT: u32 = 1 << 24;
+const MAX_WEIGHT: u32 = 1 << 24;
 /// Scores are counted in units of this.
 const SCORE: u32 = 256;
 
@@ -22,7 +22,7 @@ const SCORE: u32 = 256;
 pub(super) struct Compass {
     /// Weights of walls, in the frame of the start.
     known: [u32; PARTS],
-    /// Probabilities of errors of the odometry's heading, from [`ASIDE`] parts to the right on; all
+    /// Probabilities of errors of the odometry's heading, from [`PARTS_ASIDE`] parts to the right on; all
     /// zeros at first, when it is right.
     belief: [u16; HEADINGS],
     /// The error that is expected, turns to the left: by so much it has been corrected.
@@ -37,28 +37,28 @@ impl Compass {
         error: 0,
     };
 
-    /// Turns from the frame of the start to that of [`hear`](Self::hear).
+    /// Turns from the frame of the start to that of [`update`](Self::update).
     pub(super) const fn frame(&self) -> Bearing {
         Bearing::from_turns(self.error.wrapping_neg().cast_unsigned())
     }
 
     /// The robot has gone so far since it heard walls, and hears these. Returns by how much it
     /// faces farther to the left than it thought.
-    pub(super) fn hear(&mut self, traveled_mm: u16, walls: &WallDirections) -> Bearing {
-        self.spread(traveled_mm);
+    pub(super) fn update(&mut self, traveled_mm: u16, walls: &WallDirections) -> Bearing {
+        self.predict(traveled_mm);
         self.weigh(walls);
         let before = self.error;
         self.error = self.expected_error();
         let turn = Bearing::from_turns(self.error.wrapping_sub(before).cast_unsigned());
-        self.remember(walls);
-        self.follow();
+        self.learn(walls);
+        self.recenter();
         turn
     }
 
     /// The farther the robot has gone the less is known.
-    fn spread(&mut self, traveled_mm: u16) {
+    fn predict(&mut self, traveled_mm: u16) {
         if self.belief == [0; HEADINGS] {
-            self.belief[ASIDE] = SURE as u16;
+            self.belief[PARTS_ASIDE] = TOTAL as u16;
         }
         let share = (u32::from(traveled_mm) * SPREAD_PER_MM).min(1 << 14);
         let given = self.belief.map(|belief| (u32::from(belief) * share) >> 16);
@@ -86,7 +86,7 @@ impl Compass {
             let parts = walls.weights().iter().enumerate();
             let matches = parts.map(|(part, weight)| {
                 // The farther to the left it faces, the farther to the right it sees them.
-                let known = self.known[(part + heading + PARTS - ASIDE) % PARTS];
+                let known = self.known[(part + heading + PARTS - PARTS_ASIDE) % PARTS];
                 u64::from(*weight) * u64::from(known)
             });
             // At most 32.
@@ -98,7 +98,7 @@ impl Compass {
         }
         let sum: u32 = weighed.iter().sum();
         self.belief = weighed.map(|weighed| {
-            let probability = u64::from(weighed) * u64::from(SURE);
+            let probability = u64::from(weighed) * u64::from(TOTAL);
             probability.checked_div(sum.into()).unwrap_or(0) as u16
         });
     }
@@ -107,27 +107,27 @@ impl Compass {
         let headings = self.belief.iter().enumerate();
         let (sum, moment) = headings.fold((0, 0), |(sum, moment), (heading, belief)| {
             let belief = i32::from(*belief);
-            let parts = heading as i32 - ASIDE as i32;
+            let parts = heading as i32 - PARTS_ASIDE as i32;
             (sum + belief, moment + belief * parts)
         });
         // At most 2¹⁵ of 4 parts of 2⁹ turns.
         (moment * i32::from(PART)).checked_div(sum).unwrap_or(0) as i16
     }
 
-    fn remember(&mut self, walls: &WallDirections) {
+    fn learn(&mut self, walls: &WallDirections) {
         for (part, weight) in walls.weights().iter().enumerate() {
             let heard = Bearing::from_turns(part as u16 * PART);
             for (part, share) in shares(heard.minus(self.frame()), *weight) {
                 self.known[part % PARTS] += u32::from(share);
             }
         }
-        if self.known.iter().any(|weight| *weight > MOST_WEIGHT) {
+        if self.known.iter().any(|weight| *weight > MAX_WEIGHT) {
             self.known = self.known.map(|weight| weight / 2);
         }
     }
 
     /// Headings are compared to both sides of about the one that is expected.
-    fn follow(&mut self) {
+    fn recenter(&mut self) {
         if self.error > PART.cast_signed() {
             self.belief.rotate_left(1);
             self.belief[HEADINGS - 1] = 0;

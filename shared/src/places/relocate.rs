@@ -16,24 +16,24 @@ const STEPS_PER_POSITION: u16 = 3;
 /// Views of places that are not farther are compared, millimeters.
 const AROUND_MM: u16 = 700;
 /// There must be enough places near by: the sum of what their distances lack of that, millimeters.
-const ENOUGH_MM: u32 = 1_000;
-/// What deviates more is something else, millimeters.
-const MOST_MM: i32 = 400;
+const MIN_NEARNESS_MM: u32 = 1_000;
+/// Greatest deviation that counts for one sector, millimeters: what deviates more is something else.
+const MAX_DEVIATION_MM: i32 = 400;
 /// Sectors that must be known here and there.
-const LEAST_SECTORS: u32 = 8;
-/// At another position the views must deviate by so much less, mm²,
-const BETTER_MM2: u32 = 1_000;
+const MIN_SECTORS: u32 = 8;
+/// At another position the views must deviate by so much less in square,
+const MIN_GAIN_MM2: u32 = 1_000;
 /// and by so much less again for each squared step to it.
-const FARTHER_MM2: u32 = 300;
+const STEP_COST_MM2: u32 = 300;
 
 /// The position that fits best so far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Best {
+pub(super) struct BestPosition {
     deviation_mm2: u32,
     from_here: Displacement,
 }
 
-impl Best {
+impl BestPosition {
     /// None.
     pub(super) const ZERO: Self = Self {
         deviation_mm2: 0,
@@ -45,10 +45,10 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     /// Whether another position may explain more than the one where the robot thinks it is.
     pub(super) fn doubts_position(&mut self) -> bool {
         let here = self.deviation_mm2(&axes(), Displacement::ZERO);
-        let doubted = here.and_then(|mm2| mm2.checked_sub(BETTER_MM2));
-        self.best = Best {
+        let doubted = here.and_then(|mm2| mm2.checked_sub(MIN_GAIN_MM2));
+        self.best = BestPosition {
             deviation_mm2: doubted.unwrap_or(0),
-            ..Best::ZERO
+            ..BestPosition::ZERO
         };
         doubted.is_some()
     }
@@ -62,7 +62,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             let steps = |steps: u16| i32::from(steps) - STEPS;
             let (x, y) = (steps(index % SIDE), steps(index / SIDE));
             let from_here = Displacement::saturating(x * STEP_MM, y * STEP_MM);
-            let farther = (x * x + y * y).unsigned_abs() * FARTHER_MM2;
+            let farther = (x * x + y * y).unsigned_abs() * STEP_COST_MM2;
             if farther >= self.best.deviation_mm2 {
                 continue;
             }
@@ -70,7 +70,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
                 .deviation_mm2(&axes, from_here)
                 .map(|mm2| mm2 + farther);
             if let Some(deviation_mm2) = deviation.filter(|mm2| *mm2 < self.best.deviation_mm2) {
-                self.best = Best {
+                self.best = BestPosition {
                     deviation_mm2,
                     from_here,
                 };
@@ -102,17 +102,20 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             for (axis, nearer_mm) in nearer.filter_map(|(sector, mm)| Some((axes.get(sector)?, mm)))
             {
                 let expected_mm = axis.along(offset.dx_mm.into(), offset.dy_mm.into());
-                let deviation_mm = (nearer_mm - expected_mm).abs().min(MOST_MM).unsigned_abs();
+                let deviation_mm = (nearer_mm - expected_mm)
+                    .abs()
+                    .min(MAX_DEVIATION_MM)
+                    .unsigned_abs();
                 squares += deviation_mm * deviation_mm;
                 sectors += 1;
             }
-            if sectors >= LEAST_SECTORS {
+            if sectors >= MIN_SECTORS {
                 let weight = u32::from(AROUND_MM - offset.length_mm());
                 sum += u64::from(weight) * u64::from(squares / sectors);
                 weights += weight;
             }
         }
-        (weights > ENOUGH_MM).then(|| (sum / u64::from(weights)) as u32)
+        (weights > MIN_NEARNESS_MM).then(|| (sum / u64::from(weights)) as u32)
     }
 }
 

@@ -101,7 +101,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             Stage::Done => return Poll::Ready(None),
             Stage::Walls(first) => self.hear_walls(points, first, steps),
             Stage::Heading => {
-                let turn = self.compass.hear(self.traveled_mm, &self.walls);
+                let turn = self.compass.update(self.traveled_mm, &self.walls);
                 (self.turn, self.traveled_mm) = (self.turn.plus(turn), 0);
                 Stage::Doubt
             }

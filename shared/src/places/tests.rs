@@ -322,7 +322,9 @@ fn what_it_thinks_of_ends_when_it_is_told() {
 fn what_has_been_forgotten_is_unknown() {
     let mut walker = Walker::<256>::new(&TWO_ROOMS, (-1_000.0, -1_400.0));
     walker.go_to(to(0, 1_000));
+    assert!(walker.places.compass != Compass::NEW);
     walker.places.forget();
+    assert!(walker.places.compass == Compass::NEW && walker.places.traveled_mm == 0);
     assert_eq!(walker.places.positions().len(), 0);
     assert_eq!(walker.places.here(), Displacement::ZERO);
 }

@@ -12,9 +12,9 @@ const RIGHT_ANGLE: u16 = 1 << 14;
 /// So many of the latest points may have been heard here.
 pub(crate) const LATEST: u16 = 32;
 /// The two positions are less than this apart, millimeters: farther off stands another wall.
-const MOST_APART_MM: u32 = 800;
+const MAX_APART_MM: u32 = 800;
 /// And at least this far: nearer to each other, the error of a range turns the tangent too much.
-const LEAST_APART_MM: u32 = 200;
+const MIN_APART_MM: u32 = 200;
 /// What returned an echo is in a cone; this is the cosine of half its opening, 12.5°, 2⁻¹⁴.
 const CONE_Q14: i64 = 15_996;
 
@@ -64,8 +64,8 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         let circle = Circle::of(new);
         for other in echoes() {
             let way = other.seen_from.minus(new.seen_from);
-            if way.is_shorter_than(MOST_APART_MM)
-                && !way.is_shorter_than(LEAST_APART_MM)
+            if way.is_shorter_than(MAX_APART_MM)
+                && !way.is_shorter_than(MIN_APART_MM)
                 && let Some((normal, weight)) = circle.tangent(&Circle::of(other), way)
             {
                 walls.add(normal.plus(frame), weight);
