@@ -115,7 +115,7 @@ impl AnyRobot {
         self.is_led
     }
 
-    /// Whether its heading drifts, as its odometry does not measure.
+    /// Whether its heading drifts and its odometry does not measure it.
     #[must_use]
     pub fn heading_drifts(&self) -> bool {
         self.model.heading_drift > 0.0

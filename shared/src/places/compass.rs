@@ -22,8 +22,8 @@ const SCORE: u32 = 256;
 pub(super) struct Compass {
     /// Weights of walls, in the frame of the start.
     known: [u32; PARTS],
-    /// Probabilities of errors of the odometry's heading, from [`PARTS_ASIDE`] parts to the right on; all
-    /// zeros at first, when it is right.
+    /// Probabilities of errors of the odometry's heading, from [`PARTS_ASIDE`] parts to the right
+    /// on; all zeros at first, when it is right.
     belief: [u16; HEADINGS],
     /// The error that is expected, turns to the left: by so much it has been corrected.
     error: i16,

@@ -17,13 +17,13 @@ const STEPS_PER_POSITION: u16 = 3;
 const AROUND_MM: u16 = 700;
 /// There must be enough places near by: the sum of what their distances lack of that, millimeters.
 const MIN_NEARNESS_MM: u32 = 1_000;
-/// Greatest deviation that counts for one sector, millimeters: what deviates more is something else.
+/// Greatest deviation that counts for one sector, millimeters: beyond that stands something else.
 const MAX_DEVIATION_MM: i32 = 400;
 /// Sectors that must be known here and there.
 const MIN_SECTORS: u32 = 8;
-/// At another position the views must deviate by so much less in square,
+/// The mean square at another position must be less by this, mm²,
 const MIN_GAIN_MM2: u32 = 1_000;
-/// and by so much less again for each squared step to it.
+/// and by this again for each squared step to it.
 const STEP_COST_MM2: u32 = 300;
 
 /// The position that fits best so far.

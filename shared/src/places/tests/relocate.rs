@@ -78,7 +78,7 @@ fn corrected(ahead_mm: i16, is_heard: fn(usize) -> bool) -> i16 {
     };
     let mut places = Places::<16, 8>::new();
     let (points, goal) = (PointMemory::<64>::new(), perceived(&[255; 16]));
-    let mut perceive = |places: &mut Places<16, 8>, view| {
+    let perceive = |places: &mut Places<16, 8>, view| {
         think(places, &points, view, Purpose::Perceive, &goal, 1);
     };
     for place in [to(0, 0), to(400, 0), to(0, 400), to(-400, 0), to(0, -400)] {
