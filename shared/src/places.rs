@@ -20,6 +20,7 @@ use crate::units::{Bearing, Displacement};
 
 mod compass;
 mod graph;
+mod ground;
 mod locate;
 mod recall;
 mod recent;
@@ -101,6 +102,8 @@ pub struct Leg {
     pub way: Displacement,
     /// Room that the way leaves beside the body, millimeters.
     pub room_mm: u16,
+    /// It leads to where the robot has not been, on the way to a position.
+    pub is_new: bool,
     /// It ends where the robot is to be led.
     pub is_last: bool,
 }
@@ -115,8 +118,22 @@ impl Leg {
     pub(crate) const ZERO: Self = Self {
         way: Displacement::ZERO,
         room_mm: 0,
+        is_new: false,
         is_last: false,
     };
+
+    /// How far the robot goes at once: what the maps chose, but not past the end. Where a new way
+    /// leaves room and their move goes along it, it goes straight on, two steps: there are no
+    /// places yet by which it would correct its position.
+    pub(crate) fn stride(self, chosen: Displacement, step_mm: u16) -> Displacement {
+        let aside = self.way.bearing().minus(chosen.bearing()).as_signed_turns();
+        let is_along = chosen != Displacement::ZERO && aside.unsigned_abs() <= ALONG;
+        if self.is_new && self.room_mm > 0 && is_along {
+            self.way.shortened(step_mm.saturating_mul(2))
+        } else {
+            chosen.shortened(self.way.length_mm())
+        }
+    }
 }
 
 /// A sub-goal.
@@ -138,6 +155,10 @@ struct Frontier {
 
 /// A robot keeps as much room as its way leaves, millimeters.
 const ROOMS_MM: [u16; 4] = [400, 250, 150, 75];
+/// A move goes along a way within this angle: 22.5°.
+const ALONG: u16 = 1 << 12;
+/// A place is new where no other is nearer while the robot looks for a position, millimeters.
+const CLOSE_MM: u16 = 250;
 /// No place.
 const NOWHERE: u16 = u16::MAX;
 

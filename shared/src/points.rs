@@ -12,13 +12,13 @@
 //!
 //! Nothing here depends on the maps, the planner or the time.
 
-use crate::disc::{direction_of, until_contact};
 use crate::fixed::Mask;
 use crate::units::{Bearing, Displacement, Range};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 mod arc;
+mod free;
 mod near;
 mod sectors;
 mod walls;
@@ -26,7 +26,7 @@ mod walls;
 use arc::{Arc, FreeBeam, Ray};
 pub(crate) use near::Lobe;
 pub(crate) use sectors::sector_at;
-use sectors::{sectors_at, with_views};
+use sectors::{keep_least, sectors_at, with_views};
 pub(crate) use walls::{LATEST, PART, PARTS, WallDirections, shares};
 
 /// How long points last and what they tell.
@@ -308,40 +308,6 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         let views = here.map(|point| sectors_at::<SECTORS>(point.at.bearing()));
         views.fold(Mask::NONE, with_views)
     }
-
-    /// Distance of the nearest point ahead, from the center, millimeters; `way` is in the frame of
-    /// the start.
-    #[must_use]
-    pub fn nearest_mm(&self, way: Bearing) -> Option<u16> {
-        let way = way.direction();
-        let things = self.points.iter().filter(|point| point.is_echo());
-        let ahead = things.filter(|point| {
-            let Displacement { dx_mm, dy_mm } = point.at;
-            way.along(dx_mm.into(), dy_mm.into()) > 0
-        });
-        ahead.map(|point| point.at.length_mm()).min()
-    }
-
-    /// How far a disc of `radius_mm` may go from here along `way`, in the frame of the start,
-    /// before it touches a point; at most the way's length. Millimeters.
-    #[must_use]
-    pub fn free_mm(&self, way: Displacement, radius_mm: u16) -> u16 {
-        self.free_from_mm(Displacement::ZERO, way, radius_mm)
-    }
-
-    /// As [`free_mm`](Self::free_mm), from a position beside the robot.
-    #[must_use]
-    pub fn free_from_mm(&self, from: Displacement, way: Displacement, radius_mm: u16) -> u16 {
-        let length = way.length_mm();
-        let direction = direction_of(way, length.into());
-        let things = self.points.iter().filter(|point| point.is_echo());
-        let free = things.fold(i32::from(length), |free, point| {
-            let Displacement { dx_mm, dy_mm } = point.at.minus(from);
-            let place = direction.components(dx_mm.into(), dy_mm.into());
-            until_contact(place, radius_mm.into(), free)
-        });
-        free as u16
-    }
 }
 
 impl Point {
@@ -386,15 +352,6 @@ impl Point {
 
 /// A point this near to where its echo was heard was heard at this place, millimeters.
 const AT_THIS_PLACE_MM: u32 = 20;
-
-/// Replaces a sector's squared distance by a smaller one.
-fn keep_least(squares: &mut [Option<u32>], sector: Option<usize>, square: u32) {
-    if let Some(least) = sector.and_then(|sector| squares.get_mut(sector))
-        && least.is_none_or(|least| square < least)
-    {
-        *least = Some(square);
-    }
-}
 
 #[cfg(test)]
 mod tests;

@@ -2,18 +2,17 @@
 
 use amp::controller::Command;
 use amp::turret::BodySpec;
-use amp::units::Bearing;
 use arena::noise::Noise;
 use arena::robot::{BaseLimits, COLLISION_RADIUS_M, TurretMode};
 use arena::robot_model::{DriveKind, RobotModel, SensorKind, SensorMount};
 use arena::sonar::{FACE_RADIUS_M, RING_PERIOD_S, SonarConfig, SonarModel};
 use arena::world::Point;
 use files::error::BadInput;
-use std::f64::consts::TAU;
 
 mod for_controller;
 mod told;
 
+use for_controller::bearing;
 pub use told::{Miswiring, Origin, Ranges};
 
 /// Most sensors of a simulated robot.
@@ -91,6 +90,13 @@ impl AnyRobot {
     #[must_use]
     pub fn with_guard(mut self, has_guard: bool) -> Self {
         self.guard = has_guard.then_some(GUARD);
+        self
+    }
+
+    /// The same robot with a guard that keeps this distance to everything seen, m.
+    #[must_use]
+    pub fn with_margin(mut self, margin_m: f64) -> Self {
+        self.guard = Some(margin_m / self.model.radius_m);
         self
     }
 
@@ -388,15 +394,11 @@ fn on_nomad(model: RobotModel) -> RobotModel {
     }
 }
 
-/// The nearest bearing to an angle in rad.
-fn bearing(angle: f64) -> Bearing {
-    Bearing::from_turns((angle / TAU * 65_536.0).round() as i32 as u16)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use amp::config::Config;
+    use amp::units::Bearing;
 
     fn robot(name: &str, ranges: Ranges) -> AnyRobot {
         AnyRobot::new(RobotModel::builtin(name).unwrap(), ranges, true).unwrap()
@@ -420,6 +422,7 @@ mod tests {
         let robot = robot("epuck2", Ranges::Nomad);
         let body = robot.body();
         assert_eq!((body.points.face_radius_mm, body.guard_mm), (231, Some(90)));
+        assert_eq!(robot.clone().with_margin(0.03).body().guard_mm, Some(30));
         assert_eq!(robot.sensing(SonarModel::Nomad), SonarConfig::nomad());
         let config = robot.config(Config::recommended());
         assert_eq!(config.robot.step_mm, 250);

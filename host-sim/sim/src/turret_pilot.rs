@@ -53,6 +53,11 @@ impl TurretController {
         }
     }
 
+    /// Takes what another controller has learned, and nothing of where that was.
+    pub fn take_knowledge(&mut self, other: Self) {
+        self.state = other.state;
+    }
+
     /// Replaces the configuration and keeps the knowledge.
     pub fn configure(&mut self, config: Config<16>) {
         self.state.trust(config.enabled);

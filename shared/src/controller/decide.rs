@@ -167,7 +167,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             plan.action = if plan.at_goal {
                 Displacement::ZERO
             } else {
-                plan.action.shortened(leg.way.length_mm())
+                leg.stride(plan.action, config.robot.step_mm)
             };
         }
         // A robot that backs away from what it follows keeps facing it.

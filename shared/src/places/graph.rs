@@ -1,9 +1,9 @@
 //! Places and the links between them.
 
 use super::PlaceLimits;
+use super::ground::Ground;
 use super::record::{END_MM, Record};
 use crate::memory::SituationBytes;
-use crate::points::PointMemory;
 use crate::units::Displacement;
 use heapless::Vec;
 
@@ -218,15 +218,14 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
     /// Measures a free way around a place, from a robot that is there.
     pub(super) fn measure<const POINTS: usize>(
         &mut self,
-        limits: &PlaceLimits,
-        points: &PointMemory<POINTS>,
+        ground: &Ground<'_, POINTS>,
         index: u16,
         here: Displacement,
         way: usize,
     ) {
         if let Some(record) = self.get_mut(index) {
             let offset = record.at.minus(here);
-            record.free.measure(points, offset, way, limits.radius_mm);
+            record.free.measure(ground, offset, way);
         }
     }
 

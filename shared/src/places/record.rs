@@ -2,8 +2,8 @@
 
 use super::NOWHERE;
 use super::graph::Merged;
+use super::ground::Ground;
 use crate::memory::{self, SituationBytes};
-use crate::points::PointMemory;
 use crate::units::{Bearing, Displacement};
 
 /// Directions in which free ways are noted, evenly spaced, counter-clockwise from the frame's x
@@ -94,6 +94,24 @@ impl<const SECTORS: usize> Record<SECTORS> {
         middles.chain((open == u32::MAX).then_some(0))
     }
 
+    /// The open way nearest to a bearing; of two as near the one to the left.
+    pub(super) fn open_toward(&self, bearing: Bearing) -> Option<u8> {
+        let nearest = way_along(bearing);
+        // Ways to the left of the nearest one count from the lowest bit, those to the right from
+        // the highest.
+        let open = self.open.rotate_right(nearest as u32);
+        let (left, right) = (
+            open.trailing_zeros() as usize,
+            open.leading_zeros() as usize + 1,
+        );
+        let way = if left <= right {
+            nearest + left
+        } else {
+            nearest + WAYS - right
+        };
+        (open != 0).then_some((way % WAYS) as u8)
+    }
+
     /// A place covers the ends of these ways.
     pub(super) fn close_frontiers(&mut self, position: Displacement, spacing_mm: u16) {
         // Most places are far from these ends, which are as far as that to within rounding.
@@ -151,16 +169,15 @@ pub(super) struct FreeWays([u8; WAYS / 2]);
 impl FreeWays {
     const NONE: Self = Self([0; WAYS / 2]);
 
-    /// Measures one of the ways from a position beside the robot, for a disc of `radius_mm`.
+    /// Measures one of the ways from a position beside the robot.
     pub(super) fn measure<const POINTS: usize>(
         &mut self,
-        points: &PointMemory<POINTS>,
+        ground: &Ground<'_, POINTS>,
         from: Displacement,
         way: usize,
-        radius_mm: u16,
     ) {
         let along = Displacement::along(Bearing::of_place(way, WAYS), MOST_MM.into());
-        let units = (points.free_from_mm(from, along, radius_mm) / UNIT_MM).min(15) as u8;
+        let units = (ground.free_mm(from, along) / UNIT_MM).min(15) as u8;
         if let Some(pair) = self.0.get_mut(way / 2) {
             *pair = if way.is_multiple_of(2) {
                 *pair & 0xF0 | units
@@ -182,10 +199,14 @@ impl FreeWays {
 
     /// How far the body may go about along this way.
     pub(super) fn reach_mm(&self, way: Displacement) -> u16 {
-        let turns = way.bearing().as_turns();
-        let steps = turns.wrapping_add(1 << 10) >> 11;
-        self.length_mm(usize::from(steps) % WAYS)
+        self.length_mm(way_along(way.bearing()))
     }
+}
+
+/// The way nearest to a bearing.
+fn way_along(bearing: Bearing) -> usize {
+    let steps = bearing.as_turns().wrapping_add(1 << 10) >> 11;
+    usize::from(steps) % WAYS
 }
 
 #[cfg(test)]
@@ -212,5 +233,26 @@ mod tests {
         // A run that goes on past way 31.
         assert_eq!(frontiers(0xC000_0007), [0]);
         assert_eq!(frontiers(u32::MAX), [0]);
+    }
+
+    #[test]
+    fn the_open_way_nearest_to_a_bearing_leads_toward_it() {
+        let toward = |open: u32, way: usize| {
+            let record = Record {
+                open,
+                ..Record::<16>::new(Displacement::ZERO, &[0; 16])
+            };
+            record.open_toward(Bearing::of_place(way, WAYS))
+        };
+        assert_eq!(toward(0, 5), None);
+        assert_eq!(toward(1 << 5, 5), Some(5));
+        assert_eq!(toward(1 << 5, 21), Some(5));
+        let two = 1 << 3 | 1 << 30;
+        assert_eq!(
+            [1, 0, 31, 16, 17].map(|way| toward(two, way)),
+            [3, 30, 30, 3, 30].map(Some)
+        );
+        assert_eq!(toward(1 << 2 | 1 << 6, 4), Some(6), "as near: to the left");
+        assert_eq!(toward(u32::MAX, 17), Some(17));
     }
 }

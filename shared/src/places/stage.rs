@@ -1,8 +1,9 @@
 //! Thinking in parts: where the robot is, and which way it goes from there.
 
+use super::ground::Ground;
 use super::recall::{Sought, compared};
 use super::record::WAYS;
-use super::{Aim, Leg, NOWHERE, PlaceLimits, Places, Purpose, ROOMS_MM};
+use super::{Aim, CLOSE_MM, Leg, NOWHERE, PlaceLimits, Places, Purpose, ROOMS_MM};
 use crate::goal::Goal;
 use crate::memory::SituationBytes;
 use crate::points::{LATEST, PointMemory, WallDirections};
@@ -91,6 +92,18 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         goal: Option<&Goal<SECTORS>>,
         steps: u16,
     ) -> Poll<Option<Leg>> {
+        // Where it looks for a position narrow ways count, and places stand close.
+        let is_narrow = self.looks_for_position();
+        let close_mm = if is_narrow { CLOSE_MM } else { u16::MAX };
+        let limits = &PlaceLimits {
+            spacing_mm: limits.spacing_mm.min(close_mm),
+            ..*limits
+        };
+        let ground = &Ground {
+            points,
+            radius_mm: limits.radius_mm,
+            is_narrow,
+        };
         let compared = goal.map(compared);
         let sought = match (self.purpose, &compared) {
             (Purpose::Lead(Aim::Position(position)), _) => Sought::Position(position),
@@ -109,13 +122,13 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             Stage::Doubt => Stage::Place,
             Stage::Positions(first) => self.compare_positions(first, steps),
             Stage::Place => self.find_place(limits),
-            Stage::FreeWays(first) => self.measure_ways(limits, points, first, steps),
+            Stage::FreeWays(first) => self.measure_ways(ground, first, ground.steps(steps)),
             Stage::Frontiers => self.find_frontiers(limits),
             Stage::Purpose => match self.purpose {
                 Purpose::Perceive => Stage::NotLed,
                 Purpose::Search | Purpose::Stay => self.searched(),
-                Purpose::Lead(_) => match self.known_way(limits, points, sought) {
-                    Some(way) => self.led(self.leg_along(limits, points, way)),
+                Purpose::Lead(_) => match self.known_way(limits, ground, sought) {
+                    Some(way) => self.led(self.leg_along(ground, way)),
                     None => {
                         self.wavefront.begin();
                         Stage::Sources(0)
@@ -125,10 +138,10 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             Stage::Sources(first) => self.begin_wave(limits, sought, first, steps),
             Stage::Wave => self.spread(limits, steps),
             Stage::Sight(first, best) if usize::from(first) < self.graph.records().len() => {
-                self.look(limits, points, (first, best), steps)
+                self.look(limits, ground, (first, best), ground.steps(steps))
             }
-            Stage::Sight(_, best) => match self.new_way(limits, points, sought, best) {
-                Some(way) => self.led(self.leg_along(limits, points, way)),
+            Stage::Sight(_, best) => match self.new_way(limits, ground, sought, best) {
+                Some(way) => self.led(self.leg_along(ground, way)),
                 None => Stage::NotLed,
             },
             Stage::Led => return Poll::Ready(Some(self.leg)),
@@ -155,6 +168,11 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         }
     }
 
+    /// It is led to a position, by a way that it has not gone.
+    fn looks_for_position(&self) -> bool {
+        matches!(self.purpose, Purpose::Lead(Aim::Position(_))) && self.frontier.is_some()
+    }
+
     fn find_place(&mut self, limits: &PlaceLimits) -> Stage {
         if let Some(merged) = self.graph.thin_out(limits) {
             self.current = self.current.map(|place| merged.renumbered(place));
@@ -177,16 +195,14 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
 
     fn measure_ways<const POINTS: usize>(
         &mut self,
-        limits: &PlaceLimits,
-        points: &PointMemory<POINTS>,
+        ground: &Ground<'_, POINTS>,
         first: u16,
         steps: u16,
     ) -> Stage {
         let last = first.saturating_add(steps).min(WAYS as u16);
         if let Some(current) = self.current {
             for way in first..last {
-                self.graph
-                    .measure(limits, points, current, self.here, way.into());
+                self.graph.measure(ground, current, self.here, way.into());
             }
         }
         if usize::from(last) < WAYS {
@@ -223,18 +239,15 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
 
     fn leg_along<const POINTS: usize>(
         &self,
-        limits: &PlaceLimits,
-        points: &PointMemory<POINTS>,
+        ground: &Ground<'_, POINTS>,
         way: Displacement,
     ) -> Leg {
-        let fits = |room_mm: &u16| {
-            let radius_mm = limits.radius_mm.saturating_add(*room_mm);
-            points.free_mm(way, radius_mm) >= way.length_mm()
-        };
+        let fits = |room_mm: &u16| ground.fits_with(*room_mm, way);
         let end = Aim::Position(self.here.plus(way));
         Leg {
             way,
             room_mm: ROOMS_MM.into_iter().find(fits).unwrap_or(0),
+            is_new: self.looks_for_position(),
             is_last: self.purpose == Purpose::Lead(end),
         }
     }

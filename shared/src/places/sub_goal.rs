@@ -1,11 +1,11 @@
 //! The next sub-goal on the way to a goal, or to where the robot has not been.
 
 use super::graph::LONGEST_LINK_MM;
+use super::ground::Ground;
 use super::recall::Sought;
 use super::record::Record;
 use super::stage::{Candidate, NO_CANDIDATE, Stage};
 use super::{Frontier, NOWHERE, PlaceLimits, Places, Target};
-use crate::points::PointMemory;
 use crate::units::Displacement;
 
 /// The robot sees a place that is not farther than this, millimeters.
@@ -33,14 +33,11 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     pub(super) fn known_way<const POINTS: usize>(
         &mut self,
         limits: &PlaceLimits,
-        points: &PointMemory<POINTS>,
+        ground: &Ground<'_, POINTS>,
         sought: Sought<'_, SECTORS>,
     ) -> Option<Displacement> {
         let is_stuck = self.recent.is_stuck(self.here);
-        let fits = |way: &Displacement| {
-            way.is_shorter_than(SIGHT_MM.into())
-                && points.free_mm(*way, limits.radius_mm) >= way.length_mm()
-        };
+        let fits = |way: &Displacement| way.is_shorter_than(SIGHT_MM.into()) && ground.fits(*way);
         let to_goal = sought
             .position()
             .map(|goal| goal.minus(self.here))
@@ -67,7 +64,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     pub(super) fn new_way<const POINTS: usize>(
         &mut self,
         limits: &PlaceLimits,
-        points: &PointMemory<POINTS>,
+        ground: &Ground<'_, POINTS>,
         sought: Sought<'_, SECTORS>,
         (_, best): Candidate,
     ) -> Option<Displacement> {
@@ -77,7 +74,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             self.graph.search_anew();
             return None;
         };
-        let target = self.sub_goal(limits, points, sought, index)?;
+        let target = self.sub_goal(limits, ground, sought, index)?;
         self.target = Some(target);
         Some(target.position.minus(self.here))
     }
@@ -86,11 +83,10 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     pub(super) fn look<const POINTS: usize>(
         &self,
         limits: &PlaceLimits,
-        points: &PointMemory<POINTS>,
+        ground: &Ground<'_, POINTS>,
         (first, mut best): (u16, Candidate),
         steps: u16,
     ) -> Stage {
-        let fits = |way: Displacement| points.free_mm(way, limits.radius_mm) >= way.length_mm();
         for (index, record) in self.graph.numbered_from(first, steps) {
             let way = record.at.minus(self.here);
             let length_mm = way.length_mm();
@@ -99,7 +95,8 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             };
             let candidate = (to_goal_mm.saturating_add(length_mm), index);
             // A body's centers so near to each other have no wall between them.
-            let is_open = || length_mm < limits.near_mm || length_mm <= SIGHT_MM && fits(way);
+            let is_open =
+                || length_mm < limits.near_mm || length_mm <= SIGHT_MM && ground.fits(way);
             if candidate < best && !self.is_blocked_from_here(index) && is_open() {
                 best = candidate;
             }
@@ -111,11 +108,10 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     fn sub_goal<const POINTS: usize>(
         &mut self,
         limits: &PlaceLimits,
-        points: &PointMemory<POINTS>,
+        ground: &Ground<'_, POINTS>,
         sought: Sought<'_, SECTORS>,
         index: u16,
     ) -> Option<Target> {
-        let fits = |way: Displacement| points.free_mm(way, limits.radius_mm) >= way.length_mm();
         self.follow(limits, index);
         let place = self.graph.get(index)?.at;
         let is_recalled = sought.is_situation() && self.wavefront.is_end(index);
@@ -128,7 +124,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         let after = self.wavefront.next(index).unwrap_or(NOWHERE);
         let is_on_way = !to_next.is_shorter_than(LEAST_MM.into())
             && !self.is_blocked_from_here(after)
-            && fits(to_next.shortened(SIGHT_MM));
+            && ground.fits(to_next.shortened(SIGHT_MM));
         let is_there = to_place.is_shorter_than(REACHED_MM);
         let (position, record) = if is_there || is_on_way {
             (next, after)
@@ -200,7 +196,8 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             if let Some(cost_mm) = sought.cost_mm(&record.view).filter(|_| !record.is_searched) {
                 wavefront.source(index, cost_mm, None);
             }
-            for way in record.frontiers() {
+            let toward = goal.and_then(|goal| record.open_toward(goal.minus(record.at).bearing()));
+            for way in record.frontiers().chain(toward) {
                 let frontier = Frontier { record: index, way };
                 let end = record.end_of(way.into());
                 let to_goal_mm = goal.map_or(0, |goal| goal.minus(end).length_mm());

@@ -8,6 +8,8 @@ use crate::units::{Direction, Displacement};
 const UNIT_MM: i32 = 4;
 /// The places of an arc in steps from the beam's axis.
 const PLACES: [i8; 5] = [-2, -1, 0, 1, 2];
+/// The place on the axis.
+const ON_AXIS: u8 = 1 << (PLACES.len() / 2);
 /// All places are free.
 const ALL_FREE: u8 = (1 << PLACES.len()) - 1;
 /// Nothing returned an echo there.
@@ -96,13 +98,7 @@ impl Arc {
         limit: i32,
     ) -> i32 {
         let (along, aside) = way.components(axis.dx_mm.into(), axis.dy_mm.into());
-        let reach = self.reach_mm();
-        // A quick test, or decisions are over their budget: most arcs are behind, beside the way or
-        // beyond.
-        if along + reach <= 0
-            || aside.abs() - reach >= radius_mm
-            || along - reach - limit >= radius_mm
-        {
+        if !self.is_in_way((along, aside), radius_mm, limit) {
             return limit;
         }
         let (x, y) = (i32::from(self.step.0), i32::from(self.step.1));
@@ -114,6 +110,35 @@ impl Arc {
             let at = (along + place * step_along, aside + place * step_aside);
             until_contact(at, radius_mm, limit)
         })
+    }
+
+    /// As [`until_contact`](Self::until_contact), with the place that is likely alone.
+    pub(super) fn until_likely_contact(
+        &self,
+        axis: Displacement,
+        way: Direction,
+        radius_mm: i32,
+        limit: i32,
+    ) -> i32 {
+        let (along, aside) = way.components(axis.dx_mm.into(), axis.dy_mm.into());
+        if !self.is_in_way((along, aside), radius_mm, limit) {
+            return limit;
+        }
+        // No beam saw past most of them.
+        if self.marks & ON_AXIS == 0 {
+            return until_contact((along, aside), radius_mm, limit);
+        }
+        let Displacement { dx_mm, dy_mm } = self.place_left();
+        let (more_along, more_aside) = way.components(dx_mm.into(), dy_mm.into());
+        until_contact((along + more_along, aside + more_aside), radius_mm, limit)
+    }
+
+    /// Whether a disc may touch any place, by where the arc's axis is along the way and aside of
+    /// it. A quick test, or decisions are over their budget: most arcs are behind, beside the way
+    /// or beyond.
+    fn is_in_way(&self, (along, aside): (i32, i32), radius_mm: i32, limit: i32) -> bool {
+        let reach = self.reach_mm();
+        along + reach > 0 && aside.abs() - reach < radius_mm && along - reach - limit < radius_mm
     }
 
     /// No place is farther from the arc's axis than this, along any direction.

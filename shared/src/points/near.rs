@@ -3,7 +3,6 @@
 
 use super::arc::{Arc, FreeBeam};
 use super::{Beam, Point, PointMemory};
-use crate::disc::direction_of;
 use crate::units::{Bearing, Displacement};
 
 /// How wide a sensor hears, for echoes that are to end motions in time.
@@ -58,14 +57,9 @@ impl<const POINTS: usize> PointMemory<POINTS> {
     /// As [`free_mm`](Self::free_mm), before it touches any place where what returned an echo may
     /// stand.
     pub(crate) fn free_of_arcs_mm(&self, way: Displacement, radius_mm: u16) -> u16 {
-        let length = way.length_mm();
-        let direction = direction_of(way, length.into());
-        let free = self.points.iter().fold(i32::from(length), |free, point| {
-            point
-                .arc
-                .until_contact(point.at, direction, radius_mm.into(), free)
-        });
-        free as u16
+        self.until_contact_mm(way, |point, direction, free| {
+            (point.arc).until_contact(point.at, direction, radius_mm.into(), free)
+        })
     }
 }
 

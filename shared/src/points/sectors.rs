@@ -55,3 +55,12 @@ pub(super) fn sectors_at<const SECTORS: usize>(bearing: Bearing) -> [SectorView;
     };
     [own, other]
 }
+
+/// Replaces a sector's squared distance by a smaller one.
+pub(super) fn keep_least(squares: &mut [Option<u32>], sector: Option<usize>, square: u32) {
+    if let Some(least) = sector.and_then(|sector| squares.get_mut(sector))
+        && least.is_none_or(|least| square < least)
+    {
+        *least = Some(square);
+    }
+}

@@ -281,6 +281,25 @@ fn the_way_ends_where_the_disc_touches_a_point() {
     assert_eq!(memory.free_mm(way(2_000, 0), 300), 760);
 }
 
+/// A post left of the axis, and a beam that sees past it on the right.
+#[test]
+fn a_beam_that_saw_past_a_thing_frees_what_is_beside_it() {
+    let mut memory = heard(&[(0.0, 1_770)]);
+    let beside = way(2_500, -250);
+    let likely = |memory: &PointMemory<64>| memory.likely_free_mm(way(0, 0), beside, 300);
+    assert_eq!(
+        (memory.free_mm(beside, 300), likely(&memory)),
+        (1_766, 1_766)
+    );
+    memory.hear(&LIMITS, &beam(-8.0, 3_000));
+    assert_eq!(
+        (memory.free_mm(beside, 300), likely(&memory)),
+        (1_766, 2_512)
+    );
+    // It stands in the way straight ahead still.
+    assert!(memory.likely_free_mm(way(0, 0), way(2_500, 0), 300) < 1_800);
+}
+
 #[test]
 fn the_nearest_point_is_looked_for_ahead_only() {
     let memory = heard(&[(0.0, 770), (80.0, 300), (180.0, 100)]);

@@ -4,6 +4,7 @@
 //! ([`barn`](arena::loaders::barn)). Rules and score: X. Xiao et al., IEEE Robotics & Automation
 //! Magazine 29(4), 2022, 148–156.
 
+mod led;
 mod routes;
 mod seeker;
 
@@ -26,6 +27,7 @@ use sim::episode::{self, Body, Seeds, Setup};
 use sim::error::EpisodeError;
 use sim::pilot::{LocalController, Pilot};
 use sim::ring_pilot::{Perception, Policy, RingPilot, STEP_M, Steerable};
+use std::fmt::Display;
 
 /// A run succeeds within this distance of the goal, m.
 pub const REACHED_M: f64 = 1.0;
@@ -49,6 +51,8 @@ pub fn score(time_s: Option<f64>, path_m: f64, speed_m_s: f64) -> f64 {
 /// What drives the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum BarnMethod {
+    /// The maps, led to the goal's position by a memory of places
+    Places,
     /// The maps, given the goal's bearing
     Maps,
     /// The maps without the bearing: obstacle avoidance with the first heading toward the goal
@@ -63,7 +67,8 @@ pub enum BarnMethod {
 
 impl BarnMethod {
     /// All methods.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
+        Self::Places,
         Self::Maps,
         Self::MapsUntold,
         Self::VfhPlus,
@@ -75,6 +80,7 @@ impl BarnMethod {
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
+            Self::Places => "places",
             Self::Maps => "maps",
             Self::MapsUntold => "maps-untold",
             Self::VfhPlus => "vfh-plus",
@@ -145,31 +151,39 @@ pub fn run(
     let start = world.start();
     let target = (goal - start.position).turned_back(Point::unit(start.heading));
     let seed = rules.seed.wrapping_add(number);
+    let noise_seed = Seeds::of(seed).noise;
     let shield = rules.config.shield;
-    let body = Body::new(world, rules.sonar, TurretMode::Held, Seeds::of(seed).noise);
     let course = target.angle();
     let known_target = Some(target);
+    let named = |failure: &dyn Display| BadInput::new(format!("world {}: {failure}", world.name()));
     let maps = || {
         let trained_controller = trained_controller(rules, seed)
             .and_then(|mind| Seeker::new(mind, rules.tuning, course));
-        trained_controller
-            .map_err(|failure| BadInput::new(format!("world {}: {failure}", world.name())))
+        trained_controller.map_err(|failure| named(&failure))
     };
+    let body = || Body::new(world, rules.sonar, TurretMode::Held, noise_seed);
     Ok(match method {
-        BarnMethod::Maps => drive(goal, body, Homing::new(maps()?, shield, known_target)),
-        BarnMethod::MapsUntold => drive(goal, body, Homing::new(maps()?, shield, None)),
+        BarnMethod::Places => {
+            let robot = led::robot(shield)?;
+            let pilot = led::controller(rules, &robot, seed, target);
+            let pilot = pilot.map_err(|failure| named(&failure))?;
+            let body = Body::of_robot(world, &robot, rules.sonar, noise_seed);
+            drive(goal, body, pilot)
+        }
+        BarnMethod::Maps => drive(goal, body(), Homing::new(maps()?, shield, known_target)),
+        BarnMethod::MapsUntold => drive(goal, body(), Homing::new(maps()?, shield, None)),
         BarnMethod::VfhPlus => {
             let policy = VfhPlus::new(vfh_plus::VfhPlusTuning::of(shield.is_some()), course);
-            drive(goal, body, Homing::new(policy, shield, known_target))
+            drive(goal, body(), Homing::new(policy, shield, known_target))
         }
         BarnMethod::PotentialField => {
             let policy =
                 PotentialField::new(potential_field::PotentialFieldTuning::default(), course);
-            drive(goal, body, Homing::new(policy, shield, known_target))
+            drive(goal, body(), Homing::new(policy, shield, known_target))
         }
         BarnMethod::Straight => drive(
             goal,
-            body,
+            body(),
             Homing::new(StraightLine(course), shield, known_target),
         ),
     })
@@ -177,8 +191,15 @@ pub fn run(
 
 /// A controller that has explored a random room and learned.
 fn trained_controller(rules: &RunConditions, seed: u64) -> Result<LocalController, EpisodeError> {
-    let room = World::random(seed);
-    let setup = Setup {
+    let setup = learning(rules, seed);
+    let mut mind = LocalController::new(setup.config.clone());
+    episode::explore_and_learn(&World::random(seed), &setup, &mut mind)?;
+    Ok(mind)
+}
+
+/// The conditions in which a controller learns.
+fn learning(rules: &RunConditions, seed: u64) -> Setup {
+    Setup {
         config: rules.config.clone(),
         preset: String::new(),
         behavior: Behavior::Avoid,
@@ -192,13 +213,10 @@ fn trained_controller(rules: &RunConditions, seed: u64) -> Result<LocalControlle
         faults: Vec::new(),
         second_robot: false,
         record: false,
-    };
-    let mut mind = LocalController::new(setup.config.clone());
-    episode::explore_and_learn(&room, &setup, &mut mind)?;
-    Ok(mind)
+    }
 }
 
-fn drive<P: Steerable>(goal: Point, mut body: Body<'_>, mut pilot: Homing<P>) -> Run {
+fn drive(goal: Point, mut body: Body<'_>, mut pilot: impl Pilot) -> Run {
     let mut places = Vec::new();
     let ended = |end, time_s, places| Run {
         end,

@@ -1,6 +1,6 @@
 //! A robot as the controller is told of it: its body, and a configuration in its size.
 
-use super::{AnyRobot, MAX_BEAMS, bearing};
+use super::{AnyRobot, MAX_BEAMS};
 use amp::actuation::Actuation;
 use amp::config::{Config, Exploration, Learning};
 use amp::fixed::Mask;
@@ -8,8 +8,9 @@ use amp::points::{Beam, PointLimits, PointMemory};
 use amp::robot::{RobotSpec, evenly_spaced};
 use amp::scan::Encoding;
 use amp::turret::{BodySpec, Mount};
-use amp::units::{Displacement, Range};
+use amp::units::{Bearing, Displacement, Range};
 use arena::robot_model::SensorMount;
+use std::f64::consts::TAU;
 
 /// A robot that turns does so once around where it knows nothing of its surroundings.
 const FIRST_LOOKS: u8 = 12;
@@ -140,4 +141,9 @@ fn mount_of(sensor: &SensorMount) -> Mount {
         position: Displacement::saturating(mm(sensor.position.x), mm(sensor.position.y)),
         axis: bearing(sensor.bearing_rad),
     }
+}
+
+/// The nearest bearing to an angle in rad.
+pub(super) fn bearing(angle: f64) -> Bearing {
+    Bearing::from_turns((angle / TAU * 65_536.0).round() as i32 as u16)
 }

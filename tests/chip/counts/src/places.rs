@@ -62,7 +62,7 @@ pub fn count(watch: &Stopwatch, map: &mut Map) -> PlaceCounts {
         // As many as there may be.
         if robot.map.positions().len() == 256 {
             robot.lead_everywhere(&around);
-            robot.lead_everywhere(&[wall()]);
+            robot.lead_everywhere(&[wall(), spiral(400, 4)]);
         }
     }
     robot.counts
@@ -145,8 +145,14 @@ fn wall() -> PointMemory<256> {
 
 /// Things all around that leave 256 points.
 fn things(range_mm: u16) -> PointMemory<256> {
+    spiral(range_mm, 0)
+}
+
+/// Points all around, each so much farther than the one before: each beam sees past the last ones.
+fn spiral(range_mm: u16, farther_mm: u16) -> PointMemory<256> {
     let mut points = PointMemory::new();
     for sensor in 0..256 {
+        let range_mm = range_mm + sensor as u16 * farther_mm;
         let echo = echo(Bearing::of_place(sensor, 256), range_mm);
         points.hear(&PointLimits::NOMAD, &echo);
     }

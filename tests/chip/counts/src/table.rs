@@ -158,7 +158,7 @@ fn print_places(counts: &places::PlaceCounts, body: &body::BodyCounts) {
         119_400,
     );
     row("places: all slices, not led", counts.perceive, 408_200);
-    row("places: all slices, led", counts.lead, 9_714_300);
+    row("places: all slices, led", counts.lead, 10_000_000);
     row("places: last echo of the ring", body.decision, 115_800);
     row(
         "places: a slice that decides, or one before it",
