@@ -22,6 +22,7 @@ mod compass;
 mod graph;
 mod ground;
 mod locate;
+mod lost;
 mod recall;
 mod recent;
 mod record;
@@ -32,6 +33,7 @@ mod wavefront;
 
 use compass::Compass;
 use graph::Graph;
+use lost::Lost;
 use recent::Recent;
 use relocate::BestPosition;
 pub use stage::SLICE;
@@ -193,6 +195,7 @@ pub struct Places<const SECTORS: usize, const RECORDS: usize> {
     /// What the heading is to be corrected by.
     turn: Bearing,
     best: BestPosition,
+    lost: Lost,
     /// What it has found.
     leg: Leg,
 }
@@ -228,6 +231,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             traveled_mm: 0,
             turn: Bearing::ZERO,
             best: BestPosition::ZERO,
+            lost: Lost::NOT,
             purpose: Purpose::Lead(Aim::Position(Displacement::ZERO)),
             stage: Stage::Done,
             leg: Leg::ZERO,
@@ -242,6 +246,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         (self.target, self.found, self.recent) = (None, None, Recent::NEW);
         self.stage = Stage::Done;
         (self.compass, self.traveled_mm) = (Compass::NEW, 0);
+        self.lost = Lost::NOT;
     }
 
     /// The heading of the odometry is that of a compass, or of a turret that is held: it does not
@@ -294,10 +299,10 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     }
 
     /// Frontiers: the place from which each open way leads, and where it ends, from the start.
-    pub fn frontiers(&self) -> impl Iterator<Item = [Displacement; 2]> {
-        self.graph.records().iter().flat_map(|record| {
+    pub fn frontiers(&self) -> impl Iterator<Item = (u16, Displacement)> {
+        self.graph.numbered().flat_map(|(index, record)| {
             let ways = record.frontiers();
-            ways.map(|way| [record.at, record.end_of(way.into())])
+            ways.map(move |way| (index, record.end_of(way.into())))
         })
     }
 
@@ -333,6 +338,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     pub fn moved(&mut self, moved: Displacement) {
         self.here = self.here.plus(moved);
         self.traveled_mm = self.traveled_mm.saturating_add(moved.length_mm());
+        self.lost.moved(moved.length_mm());
     }
 }
 

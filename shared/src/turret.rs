@@ -292,7 +292,7 @@ where
     fn remember(&mut self, mount: Mount, range: Option<Range>) {
         if self.at.after(self.turret.heard_at) >= FORGET_MS {
             self.turret.memory.forget();
-            self.turret.places.forget();
+            self.turret.places.set_down();
             (self.turret.first_looks, self.turret.knows_place) = (0, false);
         }
         self.turret.heard_at = self.at;

@@ -34,8 +34,11 @@ pub enum Behavior {
     WallLeft,
     /// Follow a wall on the right.
     WallRight,
-    /// Return to the position before the first move.
-    Nest,
+    /// Return to the position before the first move, set down elsewhere.
+    Nest {
+        /// Steps of driving around before it is set down elsewhere.
+        tour: u32,
+    },
     /// Drive around, and return to the position before the first move.
     Home {
         /// Steps of driving around.
@@ -85,7 +88,7 @@ impl Behavior {
             Self::AvoidRight => "avoid-right".to_owned(),
             Self::WallLeft => "wall-left".to_owned(),
             Self::WallRight => "wall-right".to_owned(),
-            Self::Nest => "nest".to_owned(),
+            Self::Nest { .. } => "nest".to_owned(),
             Self::Home { .. } => "home".to_owned(),
             Self::Follow => "follow".to_owned(),
             Self::Seek(file) => format!("seek:{}", file.path),
@@ -106,7 +109,7 @@ impl Behavior {
             Self::AvoidRight => Goal::passing(Side::Right, range(PASSING_ROOM_M), config),
             Self::WallLeft => Goal::wall(Side::Left, range(WALL_RANGE_M), config),
             Self::WallRight => Goal::wall(Side::Right, range(WALL_RANGE_M), config),
-            Self::Nest | Self::Home { .. } => Goal::perceived(nest),
+            Self::Nest { .. } | Self::Home { .. } => Goal::perceived(nest),
             Self::Follow => Goal::following(range(LEADER_RANGE_M), config),
             Self::Seek(file) => file.goal(),
             Self::Chain(parts) => parts
@@ -128,7 +131,7 @@ impl Behavior {
     #[must_use]
     pub fn is_set_down_elsewhere(&self) -> bool {
         match self {
-            Self::Nest | Self::Seek(_) => true,
+            Self::Nest { .. } | Self::Seek(_) => true,
             // In a chain the parts before it move the robot away.
             _ => false,
         }
@@ -140,7 +143,7 @@ impl Behavior {
         match self {
             Self::Seek(file) => file.place(),
             Self::Chain(parts) => parts.iter().rev().find_map(|part| part.place(nest)),
-            Self::Nest | Self::Home { .. } => Some(nest),
+            Self::Nest { .. } | Self::Home { .. } => Some(nest),
             _ => None,
         }
     }
@@ -149,7 +152,11 @@ impl Behavior {
     #[must_use]
     pub fn needs_places(&self) -> bool {
         let mut parts = self.parts().iter();
-        parts.any(|part| matches!(part, Self::Home { .. }))
+        parts.any(|part| match part {
+            Self::Home { .. } => true,
+            Self::Nest { tour } => *tour > 0,
+            _ => false,
+        })
     }
 
     /// The world contains a second robot.
@@ -181,7 +188,7 @@ impl FromStr for Behavior {
             "avoid-right" => Ok(Self::AvoidRight),
             "wall-left" => Ok(Self::WallLeft),
             "wall-right" => Ok(Self::WallRight),
-            "nest" => Ok(Self::Nest),
+            "nest" => Ok(Self::Nest { tour: 0 }),
             "home" => Ok(Self::Home { tour: TOUR_STEPS }),
             "follow" => Ok(Self::Follow),
             _ => {
@@ -200,7 +207,7 @@ impl FromStr for Behavior {
 #[must_use]
 pub fn is_reached(part: &Behavior, steps: u32, goal_steps: u32) -> bool {
     match part {
-        Behavior::Nest | Behavior::Home { .. } | Behavior::Seek(_) => goal_steps > 0,
+        Behavior::Nest { .. } | Behavior::Home { .. } | Behavior::Seek(_) => goal_steps > 0,
         Behavior::WallLeft | Behavior::WallRight => steps >= CHAIN_HOLDS * 5,
         _ => goal_steps >= CHAIN_HOLDS,
     }

@@ -57,7 +57,8 @@ pub struct SetupArgs {
     /// After exploring, a second robot drives around in the world
     #[arg(long)]
     second_robot: bool,
-    /// Steps of driving around before the behavior home [default: 500]
+    /// Steps of driving around before the behavior home [default: 500], or before the robot is set
+    /// down elsewhere with the behavior nest [default: 0]
     #[arg(long, value_name = "STEPS")]
     tour: Option<u32>,
     /// Whether a memory of places leads the robot where it comes no nearer to a place by the goal
@@ -137,7 +138,7 @@ impl SetupArgs {
     /// An unknown robot or a bad file; a turret for a robot that has none.
     fn robot(&self) -> Result<Option<AnyRobot>, BadInput> {
         let has_guard = self.task.shield == Switch::On;
-        let needs_points = self.places == Some(Switch::On) || self.task.behavior.needs_places();
+        let needs_points = self.places == Some(Switch::On) || self.behavior()?.needs_places();
         let moves = self.task.explore;
         let turret = self.turret.map(Into::into);
         let robot = if needs_points {
@@ -151,7 +152,8 @@ impl SetupArgs {
     fn behavior(&self) -> Result<Behavior, BadInput> {
         match (&self.task.behavior, self.tour) {
             (Behavior::Home { .. }, Some(tour)) => Ok(Behavior::Home { tour }),
-            (_, Some(_)) => Err(BadInput::new("--tour: only with --behavior home")),
+            (Behavior::Nest { .. }, Some(tour)) => Ok(Behavior::Nest { tour }),
+            (_, Some(_)) => Err(BadInput::new("--tour: only with --behavior home or nest")),
             (behavior, None) => Ok(behavior.clone()),
         }
     }

@@ -271,7 +271,8 @@ impl ActiveGoal {
 
     /// Whether the present part is to come back to where the exploration began.
     pub fn is_nest(&self) -> bool {
-        self.is_home() && !self.is_touring || self.present_part() == Some(&Behavior::Nest)
+        self.is_home() && !self.is_touring
+            || matches!(self.present_part(), Some(Behavior::Nest { .. }))
     }
 
     /// The goal situation; `nest` is the situation before the first move.

@@ -71,6 +71,21 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
         apart_mm.saturating_add(wider_mm).min(most_mm.max(apart_mm))
     }
 
+    pub(super) fn is_full(&self) -> bool {
+        self.records.is_full()
+    }
+
+    /// Forgets the places from this one on.
+    pub(super) fn truncate(&mut self, first: u16) {
+        self.records.truncate(first.into());
+        for record in &mut self.records {
+            record.unlink_from(first);
+        }
+        self.blocked
+            .retain(|(one, other)| *one < first && *other < first);
+        self.apart = self.apart.min(first);
+    }
+
     /// Without room for another place, places are to stand farther apart from now on.
     fn make_room(&mut self, limits: &PlaceLimits) {
         if usize::from(self.apart) < self.records.len() {

@@ -157,6 +157,13 @@ impl<const SECTORS: usize> Record<SECTORS> {
         }
     }
 
+    /// The places from this one on are gone.
+    pub(super) fn unlink_from(&mut self, first: u16) {
+        for link in self.links.iter_mut().filter(|link| **link >= first) {
+            *link = NOWHERE;
+        }
+    }
+
     pub(super) fn was_gone_to(&self, to: u16) -> bool {
         self.links.contains(&to)
     }

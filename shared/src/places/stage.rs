@@ -32,6 +32,10 @@ pub(super) enum Stage {
     Doubt,
     /// Positions where it may be, from this one on.
     Positions(u16),
+    /// Where it may be that was set down elsewhere, of its guesses from this one on.
+    Guesses(u16),
+    /// Where else it may be, of the places that it knew from this one on.
+    Seeds(u16),
     /// The place where the robot is.
     Place,
     /// The free ways around it, from this one on.
@@ -63,7 +67,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     pub fn begin(&mut self, encoding: Encoding, view: SituationBytes<SECTORS>, purpose: Purpose) {
         (self.encoding, self.view, self.purpose) = (encoding, view, purpose);
         self.stage = if self.has_compass {
-            Stage::Place
+            self.whether_lost(Stage::Place)
         } else {
             self.walls = WallDirections::NONE;
             Stage::Walls(0)
@@ -116,11 +120,13 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             Stage::Heading => {
                 let turn = self.compass.update(self.traveled_mm, &self.walls);
                 (self.turn, self.traveled_mm) = (self.turn.plus(turn), 0);
-                Stage::Doubt
+                self.whether_lost(Stage::Doubt)
             }
             Stage::Doubt if self.doubts_position() => Stage::Positions(0),
             Stage::Doubt => Stage::Place,
             Stage::Positions(first) => self.compare_positions(first, steps),
+            Stage::Guesses(first) => self.follow_guesses(first, steps),
+            Stage::Seeds(first) => self.seed_guesses(first, steps),
             Stage::Place => self.find_place(limits),
             Stage::FreeWays(first) => self.measure_ways(ground, first, ground.steps(steps)),
             Stage::Frontiers => self.find_frontiers(limits),
@@ -150,6 +156,15 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         Poll::Pending
     }
 
+    /// A robot that was set down elsewhere has to find out where; with `otherwise` goes on what any
+    /// other one thinks.
+    fn whether_lost(&self, otherwise: Stage) -> Stage {
+        match self.lost.first_uncertain() {
+            Some(_) => Stage::Guesses(0),
+            None => otherwise,
+        }
+    }
+
     fn hear_walls<const POINTS: usize>(
         &mut self,
         points: &PointMemory<POINTS>,
@@ -174,7 +189,11 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     }
 
     fn find_place(&mut self, limits: &PlaceLimits) -> Stage {
-        if let Some(merged) = self.graph.thin_out(limits) {
+        if self.lost.first_uncertain().is_some() {
+            if self.graph.is_full() {
+                self.forget_uncertain();
+            }
+        } else if let Some(merged) = self.graph.thin_out(limits) {
             self.current = self.current.map(|place| merged.renumbered(place));
             // What they were to lead to is looked for anew.
             (self.frontier, self.target) = (None, None);

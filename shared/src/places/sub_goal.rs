@@ -47,6 +47,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             return to_goal;
         }
         if is_stuck {
+            self.lost.doubt();
             self.give_up(limits);
         }
         let target = self.target.take()?;
@@ -72,6 +73,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         let Some(index) = index.or_else(|| self.nearest_reached()) else {
             // Nothing is left: everything may be tried again.
             self.graph.search_anew();
+            self.lost.resign();
             return None;
         };
         let target = self.sub_goal(limits, ground, sought, index)?;

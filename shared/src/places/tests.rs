@@ -7,6 +7,7 @@ use crate::units::{Bearing, Range};
 use core::task::Poll;
 
 mod locate;
+mod lost;
 mod narrow;
 mod reading;
 mod relocate;

@@ -83,7 +83,7 @@ where
         let Some(goal) = self.controller.goal().filter(|_| turret.is_led) else {
             return Purpose::Perceive;
         };
-        match turret.aim {
+        match turret.places.aim_while_lost(turret.aim, goal) {
             Aim::Situation if !goal.is_place() => Purpose::Perceive,
             Aim::Situation if turret.places.is_found(goal, view) => Purpose::Stay,
             Aim::Situation if !self.controller.is_stuck() => Purpose::Search,

@@ -1,6 +1,6 @@
 //! The memory of places on the page.
 
-use super::{fits, keep, number};
+use super::{fits, keep, keep_aside, number};
 use serde_json::json;
 use tests::browser::Browser;
 use tests::host_sim;
@@ -94,7 +94,7 @@ fn its_places_are_drawn(page: &mut Browser) {
     assert_eq!(page.eval(shown), json!(["", ""]));
 }
 
-/// The robot goes there. One that is dragged has no other goal, and forgets its places.
+/// The robot goes there. One that is dragged has no other goal, and finds out where it is.
 fn a_click_on_the_floor_is_a_goal(page: &mut Browser) {
     let spot = page.eval(
         "(() => { const [x, y] = cm(view.places.places[12]); \
@@ -118,6 +118,17 @@ fn a_click_on_the_floor_is_a_goal(page: &mut Browser) {
     page.wait(&format!("view.now.pose[0] !== {before}"));
     page.wait("view.places.places.length === 0 && !places.dots.getAttribute('d')");
     assert_eq!(page.eval("view.now.goal.name"), "home");
+    page.eval("ask('speed', {factor: 40}).then(() => ask('seek'))");
+    page.wait("view.places.places.length > 32");
+    page.click("#pause");
+    page.wait("view.now.pace.paused");
+    keep_aside("view-set-down.png", page);
+    page.eval("ask('speed', {factor: null})");
+    page.click("#pause");
+    page.wait("view.now.mode === 'stopped' && view.now.note === 'home is reached'");
+    page.wait(
+        "Math.hypot(...[0, 1].map((axis) => view.now.pose[axis] - view.scene.start[axis])) < 0.3",
+    );
 }
 
 #[test]

@@ -95,6 +95,9 @@ pub fn run_observed<'w>(
 ) -> Result<Episode, EpisodeError> {
     let (mut runner, exploration) = explored(world, setup, controller, observer, &mut progress)?;
     runner.nest_known = nest_known(controller.knowledge()?);
+    if let Behavior::Nest { tour } = setup.behavior {
+        runner.tour(controller, setup, tour, |_| {})?;
+    }
     runner.set_scene(setup);
     runner.pursue(controller, setup, |done| {
         progress(Phase::Seek, done, setup.steps)

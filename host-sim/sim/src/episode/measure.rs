@@ -140,7 +140,7 @@ impl Measure {
                 share(self.errors, f64::from(self.steps)),
                 "m of mean absolute distance error",
             ),
-            Behavior::Nest | Behavior::Home { .. } => {
+            Behavior::Nest { .. } | Behavior::Home { .. } => {
                 (self.is_home(), "1 = within 0.3 m of the nest at the end")
             }
             Behavior::Seek(file) => match file.place_mm {

@@ -14,6 +14,8 @@ use arena::world::World;
 
 /// Time of carrying the robot, s: after this time the shield has discarded all echoes.
 pub const CARRY_TIME_S: f64 = 601.0;
+/// Where the random moves began.
+const START: Aim = Aim::Position(Displacement::ZERO);
 
 /// Explores and learns once, then pursues the behavior `times` times, each from a new start.
 /// Returns one report for each.
@@ -84,13 +86,12 @@ impl EpisodeRunner<'_> {
                 self.measure.begin_way(self.world, from, radius_m);
             }
             match part {
-                Behavior::Home { .. } => {
-                    pilot.lead_to(Some(Aim::Position(Displacement::ZERO)))?;
-                }
+                Behavior::Home { .. } => pilot.lead_to(Some(START))?,
+                Behavior::Nest { .. } => pilot.lead_if_it_can(Some(START))?,
                 _ => pilot.lead_if_it_can(Some(Aim::Situation))?,
             }
             let mut goal = part.goal(&setup.config, &self.nest);
-            if matches!(part, Behavior::Nest | Behavior::Home { .. }) {
+            if matches!(part, Behavior::Nest { .. } | Behavior::Home { .. }) {
                 goal = goal.for_known(self.nest_known);
             }
             self.command(pilot, Command::Seek(goal))?;
@@ -104,20 +105,23 @@ impl EpisodeRunner<'_> {
             if !is_reached(part, &begun, &self.metrics) {
                 return Ok(());
             }
-            let is_there = !matches!(part, Behavior::Nest) || self.measure.at_nest();
+            let is_there = !matches!(part, Behavior::Nest { .. }) || self.measure.at_nest();
             self.measure.reached += u32::from(is_there);
         }
         Ok(())
     }
 
-    /// Drives around to where it has not been.
-    fn tour(
+    /// Drives around for so many steps to where it has not been.
+    pub(super) fn tour(
         &mut self,
         pilot: &mut impl Pilot,
         setup: &Setup,
         steps: u32,
         mut progress: impl FnMut(u32),
     ) -> Result<(), EpisodeError> {
+        if steps == 0 {
+            return Ok(());
+        }
         pilot.lead_to(Some(Aim::Frontier))?;
         self.command(pilot, Command::Seek(Goal::avoiding(&setup.config)))?;
         self.drive(pilot, |now| now.steps >= steps, &mut progress)?;

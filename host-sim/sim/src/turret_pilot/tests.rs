@@ -148,6 +148,23 @@ fn a_robot_led_by_its_places_comes_home() {
     }
 }
 
+/// Without the tour it finds none of these nests.
+#[test]
+fn a_robot_that_knows_the_world_finds_out_where_it_was_set_down() {
+    for seed in [1, 8, 13] {
+        let model = RobotModel::builtin("p3dx").expect("built in");
+        let robot = AnyRobot::new(model, Ranges::Nomad, false).expect("it fits");
+        let setup = Setup {
+            behavior: Behavior::Nest { tour: 300 },
+            ..setup(robot, SonarModel::Ideal, 400, seed)
+        };
+        let world = World::random2(seed);
+        let report = run(&world, &setup, |_, _, _| {}).expect("it drives").report;
+        assert_eq!((report.success, report.contacts), (1.0, 0), "{seed}");
+        assert!(report.distance_m < 12.0, "{seed}: {} m", report.distance_m);
+    }
+}
+
 /// A robot of this model drives around in a room for 500 steps, and home.
 fn home(name: &str, ranges: Ranges, has_guard: bool, sonar: SonarModel, room: u64) -> Episode {
     let model = RobotModel::builtin(name).expect("built in");
@@ -196,7 +213,7 @@ fn a_robot_with_noisy_sonars_finds_its_nest_and_stays_there() {
         let model = RobotModel::builtin("p3dx").expect("built in");
         let robot = AnyRobot::new(model, Ranges::Nomad, true).expect("it fits");
         let setup = Setup {
-            behavior: Behavior::Nest,
+            behavior: Behavior::Nest { tour: 0 },
             seed: 1,
             ..setup(robot, SonarModel::Nomad, 1_000, seed)
         };
@@ -271,7 +288,7 @@ fn nests_found(geometry: Origin) -> usize {
         let robot = AnyRobot::new(model, Ranges::Nomad, true).expect("it fits");
         let robot = robot.with_geometry(geometry).expect("it turns");
         let setup = Setup {
-            behavior: Behavior::Nest,
+            behavior: Behavior::Nest { tour: 0 },
             ..setup(robot, SonarModel::Ideal, 300, seed)
         };
         let world = rooms::small(seed);

@@ -106,7 +106,7 @@ impl Simulator {
         }
         let moves = setup.explore_moves - setup.calibration_moves();
         self.command(Command::Explore { moves, seed })?;
-        self.begin_places(true);
+        self.begin_places();
         self.explorations += 1;
         self.explored = sim::episode::Metrics::new(self.body.world(), self.body.radius_m());
         self.begin(SimulatorActivity::Explore);
@@ -291,7 +291,7 @@ impl Simulator {
         self.body.set_down_at(to);
         self.log_place();
         self.before = None;
-        self.begin_places(false);
+        self.carry_places();
         self.lead()?;
         if goes_on {
             self.resume()?;

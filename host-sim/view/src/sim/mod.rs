@@ -106,6 +106,8 @@ pub struct Simulator {
     before: Option<Situation<16>>,
     /// Where the robot's places lie in the world.
     frame: PlaceFrame,
+    /// Where the robot was set down, and its places began anew or stand aside.
+    set_down: Option<PlaceFrame>,
     /// Latest ranges, and the ring's pose at that time.
     ranges_m: [Option<f64>; 16],
     scan_pose: Pose,
@@ -180,6 +182,7 @@ impl Simulator {
             ranges_m,
             scan_pose: body.pose(),
             frame: PlaceFrame::new(body.pose(), 0.0, 1.0),
+            set_down: None,
             learned: false,
             is_calibrated: false,
             learning: 0,
@@ -223,8 +226,8 @@ impl Simulator {
 
     fn drive(&mut self) -> StepOutcome {
         let began_s = self.body.time_s();
-        self.frame.is_current = true;
         let result = self.body.advance(&mut self.controller);
+        self.settle_places();
         if let Some(watcher) = &mut self.watcher {
             let at = milliseconds(result.time_s);
             watcher.on_step(at, &result, &self.body);

@@ -20,9 +20,9 @@ pub(super) struct PlaceFrame {
     side: f64,
     /// It begins where random moves began. A robot that was carried does not know where that is.
     begins_at_home: bool,
-    /// A robot that was carried drops its places with the next echo: those that it has lie in the
-    /// frame of before.
-    pub(super) is_current: bool,
+    /// A robot that was carried knows with the next echo that it was: until then its places are
+    /// those of before.
+    is_current: bool,
 }
 
 impl PlaceFrame {
@@ -56,17 +56,67 @@ impl Simulator {
         self.controller.inner().led_turret().is_some()
     }
 
-    /// Places begin anew here: with random moves, or after the robot was carried.
-    pub(super) fn begin_places(&mut self, begins_at_home: bool) {
+    /// Places begin anew here, with random moves.
+    pub(super) fn begin_places(&mut self) {
+        self.frame = PlaceFrame {
+            begins_at_home: true,
+            is_current: true,
+            ..self.frame_from_here()
+        };
+        self.set_down = None;
+    }
+
+    /// The robot was carried here.
+    pub(super) fn carry_places(&mut self) {
+        self.set_down = Some(self.frame_from_here());
+        self.frame.is_current = false;
+    }
+
+    /// After an echo: if the robot was carried it knows by now.
+    pub(super) fn settle_places(&mut self) {
+        let was_current = std::mem::replace(&mut self.frame.is_current, true);
+        let begins_anew = !was_current && self.aside().is_none();
+        if let Some(frame) = self.set_down.filter(|_| begins_anew) {
+            self.frame = PlaceFrame {
+                is_current: true,
+                ..frame
+            };
+            if let Err(CommandRefused(why)) = self.lead() {
+                self.fail(why);
+            }
+        }
+    }
+
+    fn frame_from_here(&self) -> PlaceFrame {
         let heading = self.heading_it_thinks();
         let robot = self.start.setup.robot.as_ref();
         let miswiring = robot.and_then(|robot| robot.miswiring());
         let side = miswiring.map_or(1.0, |wrong| wrong.side());
-        self.frame = PlaceFrame {
-            begins_at_home,
-            is_current: begins_at_home,
-            ..PlaceFrame::new(self.body.pose(), heading, side)
-        };
+        PlaceFrame::new(self.body.pose(), heading, side)
+    }
+
+    /// Where the places lie that stand aside of the others, and the first of them, while the robot
+    /// does not know where it was set down.
+    fn aside(&self) -> Option<(PlaceFrame, Displacement, u16)> {
+        let places = self.controller.inner().led_turret()?.places();
+        let (began, first) = places.aside()?;
+        Some((self.set_down?, began, first))
+    }
+
+    /// Where the robot takes a position to be that it has reached, or can reach from there.
+    fn reached(&self, position: Displacement) -> Point {
+        match self.aside() {
+            Some((frame, began, _)) => frame.to_world(position.minus(began)),
+            None => self.frame.to_world(position),
+        }
+    }
+
+    /// Where it takes what belongs to a place to be.
+    fn placed(&self, place: u16, position: Displacement) -> Point {
+        match self.aside() {
+            Some((_, _, first)) if place < first => self.frame.to_world(position),
+            _ => self.reached(position),
+        }
     }
 
     /// Tells the robot where its places are to lead it. Without places it finds its way by the goal
@@ -76,7 +126,7 @@ impl Simulator {
             Aim::Frontier
         } else if let Some(place) = self.goal.position() {
             Aim::Position(self.frame.to_frame(place))
-        } else if self.goal.is_home() && self.frame.begins_at_home {
+        } else if self.goal.is_nest() && self.frame.begins_at_home {
             Aim::Position(Displacement::ZERO)
         } else {
             Aim::Situation
@@ -108,7 +158,7 @@ impl Simulator {
         if !self.frame.is_current || places.positions().len() == 0 {
             return None;
         }
-        let here = self.frame.to_world(places.here());
+        let here = self.reached(places.here());
         let heading = self.frame.pose.heading + self.frame.side * self.heading_it_thinks();
         Some([here.x, here.y, heading].map(Rounded))
     }
@@ -122,7 +172,7 @@ impl Simulator {
             return None;
         }
         let plan = self.controller.inner().led_turret()?.plan();
-        Some(plan.map(|place| xy(self.frame.to_world(place))).collect())
+        Some(plan.map(|place| xy(self.reached(place))).collect())
     }
 
     /// The places as a part of the snapshot: the last one if nothing has changed.
@@ -142,12 +192,16 @@ impl Simulator {
         if !self.frame.is_current {
             return Some(PlacesDto::default());
         }
-        let to_world = |position| xy(self.frame.to_world(position));
+        let placed = |(place, position)| xy(self.placed(place, position));
+        let ways = places.frontiers().map(|(place, end)| {
+            let from = places.positions().nth(place.into()).unwrap_or(end);
+            [(place, from), (place, end)].map(placed)
+        });
         Some(PlacesDto {
-            places: places.positions().map(to_world).collect(),
+            places: (0..).zip(places.positions()).map(placed).collect(),
             links: places.links().map(|(one, other)| [one, other]).collect(),
             blocked: places.blocked().map(|(one, other)| [one, other]).collect(),
-            frontiers: places.frontiers().map(|ends| ends.map(to_world)).collect(),
+            frontiers: ways.collect(),
         })
     }
 }

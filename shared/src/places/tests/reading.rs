@@ -53,8 +53,8 @@ fn frontiers_lead_to_where_it_has_not_been() {
     walker.look();
     let frontiers = std::vec::Vec::from_iter(walker.places.frontiers());
     assert!(!frontiers.is_empty());
-    for [from, end] in frontiers {
-        assert_eq!(from, Displacement::ZERO);
+    for (from, end) in frontiers {
+        assert_eq!(from, 0);
         assert!((350..=600).contains(&end.length_mm()), "{end:?}");
     }
     while walker.step(Aim::Frontier).is_some() {}
@@ -93,7 +93,7 @@ fn a_plan_that_ends_with_an_open_way_goes_to_its_end() {
     let (mut plans, mut open) = (0, 0);
     while walker.step(Aim::Frontier).is_some() {
         let plan = std::vec::Vec::from_iter(walker.places.plan(Aim::Frontier));
-        let mut ends = walker.places.frontiers().map(|[_, end]| end);
+        let mut ends = walker.places.frontiers().map(|(_, end)| end);
         // Over a place at least.
         if plan.len() > 1 {
             plans += 1;

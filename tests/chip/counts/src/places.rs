@@ -35,6 +35,8 @@ pub struct PlaceCounts {
     pub perceive: InstructionStats,
     /// All slices of a decision of a robot that is led.
     pub lead: InstructionStats,
+    /// All slices of a decision of a robot that was set down elsewhere.
+    pub lost: InstructionStats,
 }
 
 /// Fills the map, and leads the robot through it.
@@ -64,6 +66,9 @@ pub fn count(watch: &Stopwatch, map: &mut Map) -> PlaceCounts {
             robot.lead_everywhere(&around);
             robot.lead_everywhere(&[wall(), spiral(400, 4)]);
         }
+    }
+    for points in &around {
+        robot.set_down(points);
     }
     robot.counts
 }
@@ -125,6 +130,20 @@ impl MappedRobot<'_> {
         }
         let back = here.minus(self.map.here());
         self.map.moved(back);
+        self.map.trust_heading(true);
+    }
+
+    /// It does not know where it is, and what it perceives was perceived at many places.
+    fn set_down(&mut self, points: &PointMemory<256>) {
+        self.map.trust_heading(false);
+        self.map.set_down();
+        for step in 0..40 {
+            let view = core::array::from_fn(|sector| 90 + (step + sector) as u8);
+            let lead = Purpose::Lead(Aim::Position(to(0, 0)));
+            let instructions = self.think(points, view, lead);
+            self.counts.lost.add(instructions);
+            self.map.moved(to(250, 0));
+        }
         self.map.trust_heading(true);
     }
 }

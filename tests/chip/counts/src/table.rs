@@ -159,6 +159,7 @@ fn print_places(counts: &places::PlaceCounts, body: &body::BodyCounts) {
     );
     row("places: all slices, not led", counts.perceive, 408_200);
     row("places: all slices, led", counts.lead, 10_000_000);
+    row("places: all slices, lost", counts.lost, 10_000_000);
     row("places: last echo of the ring", body.decision, 115_800);
     row(
         "places: a slice that decides, or one before it",

@@ -190,6 +190,44 @@ fn a_robot_goes_to_a_position_and_stops_there() {
     assert_eq!(now.note.as_deref(), Some("a place is reached"));
 }
 
+/// Its places of before stay where they are, those that it finds are drawn where it is.
+#[test]
+fn a_robot_that_knows_enough_finds_out_where_it_was_set_down() {
+    let mut simulator = simulator(SonarModel::Ideal, 150);
+    educate(&mut simulator);
+    simulator.execute(&PageCommand::Seek).unwrap();
+    while simulator.snapshot().now.goal.tour != Some([150, 150]) {
+        decide(&mut simulator, 1);
+    }
+    let (home, known) = (simulator.home(), places(&mut simulator));
+    let found = count(&known, "places");
+    assert!(found >= 32, "{found}");
+    let on_floor =
+        |place: &Value| Point::new(place[0].as_f64().unwrap(), place[1].as_f64().unwrap());
+    let all = Vec::from_iter(known["places"].as_array().unwrap().iter().map(on_floor));
+    let start = simulator.body.pose().position;
+    let farthest =
+        |one: &&Point, other: &&Point| start.distance(**one).total_cmp(&start.distance(**other));
+    let Point { x, y } = *all.iter().max_by(farthest).unwrap();
+    assert!(start.distance(Point::new(x, y)) > 1.0);
+    simulator.execute(&PageCommand::MoveRobot { x, y }).unwrap();
+    decide(&mut simulator, 2);
+    assert!(error_m(&mut simulator) < 0.05);
+    let now = places(&mut simulator);
+    assert_eq!(
+        now["places"].as_array().unwrap()[..found],
+        known["places"].as_array().unwrap()[..found]
+    );
+    assert!(count(&now, "places") > found);
+    let newest = on_floor(&now["places"][found]);
+    assert!(newest.distance(Point::new(x, y)) < 0.3, "{newest:?}");
+    while seeks(&simulator) {
+        decide(&mut simulator, 1);
+    }
+    let place = simulator.body.pose().position;
+    assert!(place.distance(home) < 0.3, "{place:?} {home:?}");
+}
+
 #[test]
 fn a_robot_that_was_carried_begins_anew_where_it_was_set_down() {
     let mut simulator = simulator(SonarModel::Ideal, 0);
