@@ -3,6 +3,7 @@
 use super::any_ring::{Count, MOVES};
 use super::chain::{Chain, Cloud};
 use super::decision::{self, DecisionFigure, decision};
+use super::far_goals::{self, FarGoals};
 use super::gaps::Gaps;
 use super::goal_switch::{self, GoalSwitches};
 use super::miniature::{self, Miniature};
@@ -87,6 +88,8 @@ pub struct Measured {
     pub rings: Vec<(usize, Vec<Count>)>,
     /// Avoidance with a ring that turns with the heading, for `default`.
     pub following: AblationFigures,
+    /// Goals that are far away, for `default`.
+    pub far_goals: FarGoals,
     /// Avoidance of the presets and of Q-learners after [`LEARNING_MOVES`].
     pub compared: Vec<ComparisonRow>,
 }
@@ -152,6 +155,7 @@ pub fn measure(size: Size, progress: &impl ProgressListener) -> Result<Measured,
         repetitions: repetitions(size, &readings[0], progress)?,
         rings: ring_sizes::measure(size, &readings[0], progress),
         following: following(size, &readings[0])?,
+        far_goals: far_goals::measure(size, &readings[0], progress)?,
         compared: compared(size, progress)?,
     })
 }

@@ -49,7 +49,7 @@ fn about(measured: &Measured) -> Vec<String> {
     vec![
         "C. Touzet, “Modeling and Simulation of Elementary Robot Behaviors using Associative Memories”, International Journal \
          of Advanced Robotic Systems 3(2), 2006, 165–170: its figures redrawn, and every testable \
-     sentence of its sections 2, 3 and 5.1 measured. All by the maps alone, without the shield."
+     sentence of its sections 2, 3 and 5 measured. All by the maps alone, without the shield."
             .to_owned(),
         "Three readings of what the paper leaves open: touzet is the most literal one; probe the best found that keeps the \
          paper's four steps; default looks one step ahead instead of probing. A claim about the method holds when all \

@@ -4,6 +4,7 @@
 //! meet its rule, and *holds partly* when some do.
 
 mod behaviors;
+mod chaining;
 mod maps;
 mod planning;
 mod reinforcement;
@@ -131,6 +132,7 @@ pub fn claims(measured: &Measured) -> Vec<Claim> {
     claims.extend(repetition::claims(measured));
     claims.extend(planning::claims(measured));
     claims.extend(behaviors::claims(measured));
+    claims.extend(chaining::claims(measured));
     claims
 }
 
