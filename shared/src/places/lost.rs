@@ -23,8 +23,8 @@ const SAME_MM: u32 = 300;
 const OTHER_MM: u16 = 150;
 /// Sectors that must be known here and there.
 const MIN_SECTORS: u16 = 8;
-/// What is perceived fits if it does by this much, millimeters. Where the robot is it fits by about
-/// 70, elsewhere by about 10.
+/// A view fits a place from this mean on, of what its sectors are off less than [`OTHER_MM`],
+/// millimeters. Where the robot is that is about 70, elsewhere about 10.
 const FITS_MM: i16 = 40;
 /// A guess is believed from this score on; it is the sum of what fits better, millimeters.
 const ENOUGH: i16 = 300;
@@ -69,8 +69,8 @@ impl Guess {
     }
 }
 
-/// What a robot that was set down elsewhere knows of where it is; all zeros if it was not, or is
-/// certain.
+/// What a robot that was set down elsewhere knows of where it is. If it was not, or is certain,
+/// only the travel and [`is_resigned`](Self::is_resigned) change, and neither counts.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Lost {
     pub(super) guesses: Vec<Guess, GUESSES>,
@@ -325,6 +325,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
 
     /// Of a position and the eight around it the one where a place's view fits best, and by how
     /// much; `None` where too little is known.
+    // Called twice: one copy saves flash.
     #[inline(never)]
     fn best_fit(
         &self,

@@ -120,6 +120,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
 }
 
 /// Of all sectors.
+// One copy saves flash.
 #[inline(never)]
 pub(super) fn axes<const SECTORS: usize>() -> [Direction; SECTORS] {
     core::array::from_fn(|sector| Bearing::of_place(sector, SECTORS).direction())
