@@ -34,6 +34,7 @@ pub mod crash;
 pub mod crash_test;
 pub mod persist;
 pub mod safety;
+pub mod seldom;
 pub mod sonar_ring;
 pub mod stack;
 pub mod status_led;

@@ -25,6 +25,9 @@ fn the_profile_equals_that_of_the_firmware() {
     );
     assert!(profile(&ours).len() > 1);
     assert_eq!(profile(&ours), profile(&main));
+    for manifest in [&ours, &main] {
+        assert!(manifest.contains("\nfirmware = { opt-level = \"z\" }\n"));
+    }
 }
 
 /// Versions by package; a package may have several.
