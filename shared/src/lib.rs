@@ -35,6 +35,7 @@
 //! | [`action_map`] | the map of (change of situation, action) |
 //! | [`memory`] | the lazy memory of samples |
 //! | [`goal`] | behaviors as goal situations |
+//! | [`modality`] | what else is perceived, where and when: a scent, the light |
 //! | [`places`] | where the robot was, and the way back by sub-goals |
 //! | [`planner`] | the paper's four steps, with every intermediate value |
 //! | [`faults`] | detects faulty transducers |
@@ -104,6 +105,7 @@ pub mod goal;
 #[cfg(feature = "link")]
 pub mod link;
 pub mod memory;
+pub mod modality;
 #[cfg(feature = "link")]
 pub mod node;
 pub mod parameters;

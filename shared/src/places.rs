@@ -80,6 +80,9 @@ pub enum Aim {
     Position(Displacement),
     /// To where it has not been.
     Frontier,
+    /// To where it has not been; when nothing is left it looks more closely, and goes where its way
+    /// is narrow or short.
+    Everywhere,
     /// To where the situation that it pursues was perceived or may be.
     Situation,
 }
@@ -176,6 +179,10 @@ pub struct Places<const SECTORS: usize, const RECORDS: usize> {
     frontier: Option<Frontier>,
     frontier_age: u8,
     target: Option<Target>,
+    /// Nothing was left where it had not been: it looks more closely.
+    looks_closely: bool,
+    /// Places before this one have been looked at for shorter open ways.
+    reopened: u16,
     /// Where the situation that it seeks was found.
     found: Option<Displacement>,
     recent: Recent,
@@ -217,6 +224,8 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             frontier: None,
             frontier_age: 0,
             target: None,
+            looks_closely: false,
+            reopened: 0,
             found: None,
             recent: Recent::NEW,
             wavefront: Wavefront::NEW,
@@ -244,6 +253,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         (self.here, self.current) = (Displacement::ZERO, None);
         (self.frontier, self.frontier_age) = (None, 0);
         (self.target, self.found, self.recent) = (None, None, Recent::NEW);
+        (self.looks_closely, self.reopened) = (false, 0);
         self.stage = Stage::Done;
         (self.compass, self.traveled_mm) = (Compass::NEW, 0);
         self.lost = Lost::NOT;
@@ -311,7 +321,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     pub fn plan(&self, aim: Aim) -> impl Iterator<Item = Displacement> {
         let goal = match aim {
             Aim::Position(position) => Some(position),
-            Aim::Frontier | Aim::Situation => None,
+            Aim::Frontier | Aim::Everywhere | Aim::Situation => None,
         };
         let place = |index: u16| self.graph.get(index);
         let target = self.target;

@@ -88,6 +88,16 @@ const CASES: &[Case] = &[
         "view --nomad tcp:127.0.0.1:1 --behavior home",
         &["home", "--nomad"],
     ),
+    ("run --behavior floor:rde", &["floor", "rde", "\"red\""]),
+    ("run --behavior scent", &["scent", "strongest"]),
+    (
+        "run --behavior light:strongest --places off",
+        &["--places off", "light:strongest"],
+    ),
+    (
+        "view --behavior floor:red --places off",
+        &["floor:red", "--places off"],
+    ),
     ("run --robot gone", &["gone", "p3dx"]),
     ("run --robot gone.toml", &["gone.toml"]),
     ("run --robot p3dx --geometry lerned", &["lerned", "learned"]),

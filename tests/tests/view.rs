@@ -11,6 +11,7 @@ use tests::viewed::{Viewed, Viewer, is_idle};
 use tests::{host_sim, root};
 
 mod places;
+mod senses;
 
 /// Saves a screenshot to the documentation if `UPDATE_PICTURES=1`, else nowhere.
 fn keep(name: &str, browser: &mut Browser) {

@@ -17,5 +17,6 @@ pub mod robot_model;
 pub mod route;
 mod shapes;
 pub mod sonar;
+pub mod sources;
 mod surfaces;
 pub mod world;

@@ -199,14 +199,16 @@ fn legend(svg: &mut Svg, view: &SceneView, recording: &Recording) {
     let touched = format!("contacts: {}", count(steps, |step| step.touched));
     legend.entry(svg, &touched, |svg, at| contact_mark(svg, at, VERMILLION));
     marks::legend(&mut legend, svg, recording);
+    scene::sources_legend(&mut legend, svg, recording.world.sources());
     surroundings(&mut legend, svg, recording);
 }
 
 /// Legend entries of exploration, obstacles and the situation.
 fn surroundings(legend: &mut Legend, svg: &mut Svg, recording: &Recording) {
     let exploration = &recording.exploration;
-    // Before it goes home the robot drives around.
-    let is_tour = recording.behavior == "home";
+    // Before it goes somewhere the robot drives around.
+    let is_tour = recording.behavior == "home"
+        || recording.behavior.contains(':') && !recording.behavior.starts_with("seek:");
     let (phase, step, when) = if is_tour {
         ("tour", "step", "on the tour")
     } else {

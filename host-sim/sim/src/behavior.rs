@@ -3,6 +3,7 @@
 //! Success is [measured](crate::episode) in the true world, which the controller never sees.
 
 use crate::goal_file::GoalFile;
+use crate::senses::SenseGoal;
 use amp::config::Config;
 use amp::goal::{Goal, Side};
 use amp::scan::Situation;
@@ -44,6 +45,13 @@ pub enum Behavior {
         /// Steps of driving around.
         tour: u32,
     },
+    /// Drive around, and go to what is sought in another modality.
+    Sense {
+        /// What is sought.
+        goal: SenseGoal,
+        /// Steps of driving around.
+        tour: u32,
+    },
     /// Follow another robot.
     Follow,
     /// Go to where the situation of a file was captured.
@@ -75,6 +83,9 @@ impl Behavior {
             "home" => "drives around and comes back to where it began to explore",
             "follow" => "keeps behind another robot",
             "seek" => "goes to where a situation was captured (seek:FILE)",
+            "scent" => "drives around and goes to where it smelled strongest (scent:strongest)",
+            "light" => "drives around and goes to where it was brightest (light:strongest)",
+            "floor" => "drives around and goes to where the floor has this color (floor:red)",
             _ if name.contains(',') => "one after the other: the next when the goal is reached",
             _ => "",
         }
@@ -90,6 +101,7 @@ impl Behavior {
             Self::WallRight => "wall-right".to_owned(),
             Self::Nest { .. } => "nest".to_owned(),
             Self::Home { .. } => "home".to_owned(),
+            Self::Sense { goal, .. } => goal.name(),
             Self::Follow => "follow".to_owned(),
             Self::Seek(file) => format!("seek:{}", file.path),
             Self::Chain(parts) => {
@@ -110,6 +122,8 @@ impl Behavior {
             Self::WallLeft => Goal::wall(Side::Left, range(WALL_RANGE_M), config),
             Self::WallRight => Goal::wall(Side::Right, range(WALL_RANGE_M), config),
             Self::Nest { .. } | Self::Home { .. } => Goal::perceived(nest),
+            // Its places lead it.
+            Self::Sense { .. } => Goal::avoiding(config),
             Self::Follow => Goal::following(range(LEADER_RANGE_M), config),
             Self::Seek(file) => file.goal(),
             Self::Chain(parts) => parts
@@ -153,9 +167,26 @@ impl Behavior {
     pub fn needs_places(&self) -> bool {
         let mut parts = self.parts().iter();
         parts.any(|part| match part {
-            Self::Home { .. } => true,
+            Self::Home { .. } | Self::Sense { .. } => true,
             Self::Nest { tour } => *tour > 0,
             _ => false,
+        })
+    }
+
+    /// Steps of driving around before a way to somewhere, of a behavior that has both.
+    #[must_use]
+    pub fn tour(&self) -> Option<u32> {
+        match self {
+            Self::Home { tour } | Self::Sense { tour, .. } => Some(*tour),
+            _ => None,
+        }
+    }
+
+    /// What is sought in other modalities.
+    pub fn sense_goals(&self) -> impl Iterator<Item = SenseGoal> {
+        self.parts().iter().filter_map(|part| match part {
+            Self::Sense { goal, .. } => Some(*goal),
+            _ => None,
         })
     }
 
@@ -183,6 +214,12 @@ impl FromStr for Behavior {
             }
             return Ok(Self::Seek(Box::new(GoalFile::load(path.as_ref())?)));
         }
+        if SenseGoal::is_meant_by(name) {
+            return Ok(Self::Sense {
+                goal: name.parse()?,
+                tour: TOUR_STEPS,
+            });
+        }
         match name {
             "avoid" => Ok(Self::Avoid),
             "avoid-right" => Ok(Self::AvoidRight),
@@ -195,6 +232,7 @@ impl FromStr for Behavior {
                 let known: Vec<_> = Self::NAMES
                     .into_iter()
                     .chain(["home", "seek:FILE"])
+                    .chain(SenseGoal::FORMS)
                     .collect();
                 Err(BadInput::unknown("behavior", name, &known))
             }
@@ -207,7 +245,10 @@ impl FromStr for Behavior {
 #[must_use]
 pub fn is_reached(part: &Behavior, steps: u32, goal_steps: u32) -> bool {
     match part {
-        Behavior::Nest { .. } | Behavior::Home { .. } | Behavior::Seek(_) => goal_steps > 0,
+        Behavior::Nest { .. }
+        | Behavior::Home { .. }
+        | Behavior::Seek(_)
+        | Behavior::Sense { .. } => goal_steps > 0,
         Behavior::WallLeft | Behavior::WallRight => steps >= CHAIN_HOLDS * 5,
         _ => goal_steps >= CHAIN_HOLDS,
     }

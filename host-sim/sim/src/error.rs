@@ -13,6 +13,8 @@ pub enum EpisodeError {
     Stopped(StopReason),
     /// The link to a remote controller failed.
     Link(String),
+    /// The world cannot be as the behavior needs it.
+    World(String),
     /// The log could not be written.
     Log(String),
     /// The robot has no memory of places.
@@ -28,7 +30,7 @@ impl std::fmt::Display for EpisodeError {
                 "the robot stopped: no sonar received an echo in three rings (use --set open-space=on in open space)",
             ),
             Self::Stopped(reason) => write!(f, "the robot stopped: {}", stop_reason(*reason)),
-            Self::Link(why) | Self::Log(why) => f.write_str(why),
+            Self::Link(why) | Self::World(why) | Self::Log(why) => f.write_str(why),
             Self::NoPlaces => f.write_str("the controller has no memory of places"),
         }
     }

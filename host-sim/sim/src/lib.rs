@@ -14,6 +14,7 @@ pub mod pilot;
 pub mod recording;
 pub mod ring_pilot;
 pub mod robot;
+pub mod senses;
 pub mod settings;
 pub mod statistics;
 pub mod turret_pilot;

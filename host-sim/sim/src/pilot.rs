@@ -2,6 +2,7 @@
 
 use crate::error::EpisodeError;
 use crate::robot::MAX_BEAMS;
+use crate::senses::{Readings, SenseGoal};
 use amp::config::Config;
 use amp::controller::{self, Event, Outputs, State};
 use amp::faults::SensorVerdict;
@@ -88,6 +89,18 @@ pub trait Pilot {
         }
     }
 
+    /// What else its sensors read, where it is now.
+    fn sense(&mut self, _at: Millis, _readings: &Readings) {}
+
+    /// From now on a robot that pursues a goal is led to what is sought in another modality;
+    /// `None`: it is not.
+    ///
+    /// # Errors
+    /// When it has no memory of places.
+    fn seek_sense(&mut self, goal: Option<SenseGoal>) -> Result<(), EpisodeError> {
+        goal.map_or(Ok(()), |_| Err(EpisodeError::NoPlaces))
+    }
+
     /// Why it cannot continue; `None` while it can.
     fn failure(&self) -> Option<EpisodeError> {
         None
@@ -122,6 +135,14 @@ impl<P: Pilot> Pilot for &mut P {
 
     fn lead_to(&mut self, aim: Option<Aim>) -> Result<(), EpisodeError> {
         (**self).lead_to(aim)
+    }
+
+    fn sense(&mut self, at: Millis, readings: &Readings) {
+        (**self).sense(at, readings);
+    }
+
+    fn seek_sense(&mut self, goal: Option<SenseGoal>) -> Result<(), EpisodeError> {
+        (**self).seek_sense(goal)
     }
 
     fn failure(&self) -> Option<EpisodeError> {

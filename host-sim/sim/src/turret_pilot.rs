@@ -4,9 +4,10 @@ use crate::error::EpisodeError;
 use crate::pilot::{InspectableController, Pilot, SimState};
 use crate::ring_pilot::{Policy, RingPilot};
 use crate::robot::{AnyRobot, MAX_BEAMS};
+use crate::senses::{Readings, SenseGoal, Senses};
 use amp::body::{Body as _, MountedSensors};
 use amp::config::Config;
-use amp::controller::{Event, Mode, Outputs, State};
+use amp::controller::{Command, Event, Mode, Outputs, State};
 use amp::fixed::Mask;
 use amp::places::Aim;
 use amp::shield::ShieldConfig;
@@ -32,6 +33,8 @@ pub struct TurretController {
     state: Box<SimState>,
     /// Its places lead it to goals.
     is_led: bool,
+    /// What else it perceived.
+    senses: Box<Senses>,
 }
 
 impl TurretController {
@@ -50,6 +53,7 @@ impl TurretController {
             body,
             state: Box::new(state),
             is_led: robot.is_led(),
+            senses: Box::default(),
         }
     }
 
@@ -87,6 +91,12 @@ impl TurretController {
     #[must_use]
     pub fn ring(&self) -> &[Option<Range>; 16] {
         self.body.turret().ring()
+    }
+
+    /// What it perceived beside ranges.
+    #[must_use]
+    pub fn senses(&self) -> &Senses {
+        &self.senses
     }
 
     /// Points and places, if the places lead it to goals.
@@ -203,7 +213,11 @@ impl Pilot for TurretController {
             state,
             ..
         } = self;
+        let begins_anew = matches!(event, Event::Command(Command::Explore { .. }));
         let mut outputs = body.handle(config, state, at, event);
+        if begins_anew && outputs.refusal.is_none() {
+            self.senses.forget();
+        }
         // In no simulated time.
         while body.is_thinking() {
             outputs = body.think(config, state, at);
@@ -212,8 +226,29 @@ impl Pilot for TurretController {
     }
 
     fn lead_to(&mut self, aim: Option<Aim>) -> Result<(), EpisodeError> {
-        let aim = aim.filter(|aim| self.is_led || *aim == Aim::Frontier);
+        let may_explore = matches!(aim, Some(Aim::Frontier | Aim::Everywhere));
+        let aim = aim.filter(|_| self.is_led || may_explore);
         self.body.lead_to(aim);
+        Ok(())
+    }
+
+    fn sense(&mut self, at: Millis, readings: &Readings) {
+        let places = self.body.turret().places();
+        // One that was carried, and does not know where it is, has no position for what it senses.
+        if !self.is_led || places.aside().is_some() {
+            return;
+        }
+        self.senses.perceive(readings, places.here(), at);
+        if let Some(aim) = self.senses.aim(places, at) {
+            self.body.lead_to(Some(aim));
+        }
+    }
+
+    fn seek_sense(&mut self, goal: Option<SenseGoal>) -> Result<(), EpisodeError> {
+        if goal.is_some() && !self.is_led {
+            return Err(EpisodeError::NoPlaces);
+        }
+        self.senses.seek(goal);
         Ok(())
     }
 }

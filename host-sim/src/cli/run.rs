@@ -225,6 +225,14 @@ fn check_robot(args: &RunArgs, setup: &Setup) -> Result<(), BadInput> {
     let Some(robot) = &setup.robot else {
         return Ok(());
     };
+    if let Some(goal) = setup.behavior.sense_goals().next()
+        && !robot.is_led()
+    {
+        let goal = goal.name();
+        return Err(BadInput::new(format!(
+            "--places off: the behavior {goal} needs a memory of places"
+        )));
+    }
     let needs_places = setup.behavior.needs_places();
     let flags = [
         ("--save", args.save.is_some()),
@@ -238,7 +246,7 @@ fn check_robot(args: &RunArgs, setup: &Setup) -> Result<(), BadInput> {
         None => Ok(()),
         Some((flag, _)) => Err(BadInput::new(format!(
             "{flag}: only with the Nomad's own ring, not with the robot \"{}\" behind points \
-             (--robot, --places, --behavior home)",
+             (--robot, --places, --behavior home, scent:…, light:… or floor:…)",
             robot.model().name
         ))),
     }

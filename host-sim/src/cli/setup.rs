@@ -16,8 +16,9 @@ use sim::settings;
 #[derive(Debug, Clone, Args)]
 pub struct TaskArgs {
     /// What to do after exploring: avoid, avoid-right, wall-left, wall-right, nest, home, follow,
-    /// seek:FILE (a captured situation), or several of them one after the other: a,b,c (see
-    /// `host-sim behaviors`)
+    /// seek:FILE (a captured situation), scent:strongest, light:strongest, floor:COLOR, or
+    /// scent:before, light:before, floor:before (where it was before that changed), or several of
+    /// them one after the other: a,b,c (see `host-sim behaviors`)
     #[arg(long, value_name = "NAME", default_value = "avoid", value_parser = parsed::<Behavior>)]
     pub(super) behavior: Behavior,
     /// Random moves before the behavior
@@ -57,8 +58,8 @@ pub struct SetupArgs {
     /// After exploring, a second robot drives around in the world
     #[arg(long)]
     second_robot: bool,
-    /// Steps of driving around before the behavior home [default: 500], or before the robot is set
-    /// down elsewhere with the behavior nest [default: 0]
+    /// Steps of driving around before the behaviors home, scent:…, light:… and floor:… [default:
+    /// 500], or before the robot is set down elsewhere with the behavior nest [default: 0]
     #[arg(long, value_name = "STEPS")]
     tour: Option<u32>,
     /// Whether a memory of places leads the robot where it comes no nearer to a place by the goal
@@ -150,11 +151,14 @@ impl SetupArgs {
     }
 
     fn behavior(&self) -> Result<Behavior, BadInput> {
-        match (&self.task.behavior, self.tour) {
+        match (self.task.behavior.clone(), self.tour) {
             (Behavior::Home { .. }, Some(tour)) => Ok(Behavior::Home { tour }),
             (Behavior::Nest { .. }, Some(tour)) => Ok(Behavior::Nest { tour }),
-            (_, Some(_)) => Err(BadInput::new("--tour: only with --behavior home or nest")),
-            (behavior, None) => Ok(behavior.clone()),
+            (Behavior::Sense { goal, .. }, Some(tour)) => Ok(Behavior::Sense { goal, tour }),
+            (_, Some(_)) => Err(BadInput::new(
+                "--tour: only with --behavior home, nest, scent:…, light:… or floor:…",
+            )),
+            (behavior, None) => Ok(behavior),
         }
     }
 

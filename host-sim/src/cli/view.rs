@@ -11,6 +11,7 @@ use clap::{Args, ValueEnum as _};
 use files::error::BadInput;
 use remote::link::{Address, ControllerPlace};
 use remote::log;
+use sim::behavior::Behavior;
 use sim::robot::AnyRobot;
 use std::io::Write;
 use std::net::SocketAddr;
@@ -38,8 +39,14 @@ Open the printed address in a browser. Ctrl-C ends the program.
 
 The address with its token permits to steer, one page at a time; others watch. The token is new for each run.";
 
-const NO_PLACES: &str = "--behavior home: only in the simulator, with a memory of places in this \
-    process (not --places off, --mind, --nomad or --board)";
+/// Why a robot without places has no such goal.
+fn no_places(behavior: &Behavior) -> BadInput {
+    BadInput::new(format!(
+        "--behavior {}: only in the simulator, with a memory of places in this process (not \
+         --places off, --mind, --nomad or --board)",
+        behavior.name()
+    ))
+}
 
 /// Flags of the `view` command.
 #[derive(Debug, Clone, Args)]
@@ -138,7 +145,7 @@ fn source(args: &ViewArgs) -> Result<Box<dyn ViewSource>, BadInput> {
     }
     let is_device = args.nomad.is_some() || args.board.is_some();
     if is_device && args.setup.task().behavior.needs_places() {
-        return Err(BadInput::new(NO_PLACES));
+        return Err(no_places(&args.setup.task().behavior));
     }
     match (&args.nomad, &args.board) {
         (Some(robot), _) => nomad(args, robot),
@@ -184,7 +191,7 @@ fn simulator(args: &ViewArgs) -> Result<Box<dyn ViewSource>, BadInput> {
         .place(start.setup.explore_moves, robot.is_some())?;
     let has_places = robot.is_some_and(AnyRobot::is_led) && matches!(place, ControllerPlace::Host);
     if start.setup.behavior.needs_places() && !has_places {
-        return Err(BadInput::new(NO_PLACES));
+        return Err(no_places(&start.setup.behavior));
     }
     let log = args.log.as_deref();
     if let (Some(robot), Some(log)) = (robot, log) {

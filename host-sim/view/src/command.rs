@@ -118,6 +118,15 @@ pub enum PageCommand {
         /// New y of its center.
         y: f64,
     },
+    /// Move a lamp, a source of a scent or colored floor.
+    MoveSource {
+        /// Index among the scene's sources.
+        source: usize,
+        /// New x of its center.
+        x: f64,
+        /// New y of its center.
+        y: f64,
+    },
     /// Move the robot.
     MoveRobot {
         /// New x of its center.

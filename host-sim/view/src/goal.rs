@@ -13,6 +13,7 @@ use files::error::BadInput;
 use sim::behavior::{Behavior, is_reached};
 use sim::goal_file::{self, GoalFile};
 use sim::pilot::SimState;
+use sim::senses::SenseGoal;
 
 /// Why a robot cannot be sent home or to a position.
 pub(super) const NO_PLACES: &str =
@@ -106,6 +107,11 @@ impl ActiveGoal {
         Some(true)
     }
 
+    /// What is sought in another modality.
+    pub fn sought(&self) -> Option<SenseGoal> {
+        self.present_part()?.sense_goals().next()
+    }
+
     /// Whether the present part is over after so many steps, with so many at its goal. A behavior
     /// that is no place to go to is never over by itself.
     fn is_part_over(&self, [steps, goal_steps]: [u32; 2]) -> bool {
@@ -113,7 +119,7 @@ impl ActiveGoal {
             _ if self.is_touring => self.tour_steps().is_none_or(|all| steps >= all),
             GoalKind::Position(_) => goal_steps > 0,
             GoalKind::Behavior(behavior) => {
-                let ends = behavior.parts().len() > 1 || self.is_home();
+                let ends = behavior.parts().len() > 1 || behavior.tour().is_some();
                 let part = behavior.parts().get(self.part);
                 ends && part.is_some_and(|part| is_reached(part, steps, goal_steps))
             }
@@ -123,10 +129,7 @@ impl ActiveGoal {
 
     /// Steps of driving around before the way home. In a chain home has none.
     fn tour_steps(&self) -> Option<u32> {
-        match self.as_behavior() {
-            Some(Behavior::Home { tour }) => Some(*tour),
-            _ => None,
-        }
+        self.as_behavior()?.tour()
     }
 
     /// Steps of driving around before the way home, at this count of steps: driven, and in all.
@@ -327,11 +330,13 @@ fn neuron_situation(known: &SimState, neuron: usize) -> Situation<16> {
 /// user.
 fn named(name: &str, tour: Option<u32>) -> Result<Behavior, CommandRefused> {
     let known: Vec<_> = Behavior::NAMES.into_iter().chain(["home"]).collect();
-    if let Some(unknown) = name.split(',').find(|part| !known.contains(part)) {
+    let is_known = |part: &&str| known.contains(part) || SenseGoal::is_meant_by(part);
+    if let Some(unknown) = name.split(',').find(|part| !is_known(part)) {
         return Err(BadInput::unknown("behavior", unknown, &known).into());
     }
     match (name.parse()?, tour) {
         (Behavior::Home { .. }, Some(tour)) => Ok(Behavior::Home { tour }),
+        (Behavior::Sense { goal, .. }, Some(tour)) => Ok(Behavior::Sense { goal, tour }),
         (behavior, _) => Ok(behavior),
     }
 }

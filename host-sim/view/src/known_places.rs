@@ -1,6 +1,6 @@
 //! A memory of places, as the page shows it.
 
-use super::snapshot::Xy;
+use super::snapshot::{Rounded, Xy};
 use serde::Serialize;
 
 /// A memory of places, where the robot takes them to be in the world, meters.
@@ -14,4 +14,6 @@ pub struct PlacesDto {
     pub blocked: Vec<[u16; 2]>,
     /// Open ways: from a place to where the robot has not been.
     pub frontiers: Vec<[Xy; 2]>,
+    /// Where it perceived what is sought in another modality, and how strongly, 0 to 1.
+    pub sensed: Vec<(Xy, Rounded)>,
 }

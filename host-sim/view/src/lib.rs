@@ -26,6 +26,7 @@ mod server;
 mod sim;
 pub mod snapshot;
 pub mod source;
+pub mod things;
 mod viewer;
 
 pub use board::WatchedBoard;

@@ -12,6 +12,7 @@ pub const PAGE: &str = concat!(
     include_str!("page/link.js"),
     include_str!("page/arena.js"),
     include_str!("page/places.js"),
+    include_str!("page/sources.js"),
     include_str!("page/ring.js"),
     include_str!("page/body.js"),
     include_str!("page/maps.js"),

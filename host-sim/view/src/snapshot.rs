@@ -6,6 +6,7 @@
 pub use super::counts::DriveCounts;
 pub use super::known_places::PlacesDto;
 use super::source::Capabilities;
+pub use super::things::{SensedDto, ShapeDto, SourceDto};
 use serde::{Serialize, Serializer};
 use std::sync::{Arc, OnceLock};
 
@@ -151,6 +152,8 @@ pub struct SceneDto {
     pub bounds: [Xy; 2],
     /// Shapes of the world.
     pub shapes: Vec<ShapeDto>,
+    /// What else can be perceived in it.
+    pub sources: Vec<SourceDto>,
     /// Start position of the robot.
     pub start: Xy,
     /// Radii of the collision disc and of the transducers' faces, meters.
@@ -188,18 +191,6 @@ pub struct SceneDto {
     pub worlds: Vec<String>,
     /// Presets to choose from.
     pub presets: Vec<String>,
-}
-
-/// A shape of the world.
-#[derive(Debug, Clone, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ShapeDto {
-    /// A chain of straight segments.
-    Wall(Vec<Xy>),
-    /// The corners of a box, which can be moved.
-    Box(Vec<Xy>),
-    /// Center and radius of a post, which can be moved.
-    Circle(Xy, Rounded),
 }
 
 /// Both maps, with neurons row by row from the top.
@@ -301,6 +292,8 @@ pub struct LiveState {
     pub shield: bool,
     /// Online learning is on.
     pub online: bool,
+    /// What its sensors read beside ranges, if there is anything.
+    pub sensed: Option<SensedDto>,
     /// Position of the leader.
     pub leader: Option<Xy>,
     /// Addresses of a remote controller or robot.

@@ -16,6 +16,8 @@ use core::task::Poll;
 /// an STM32F405.
 pub const SLICE: u16 = 8;
 
+/// Places that are looked at again for open ways in a decision, less one.
+const REOPENED: u8 = 3;
 /// To compare a point with all others takes about so many steps.
 const STEPS_PER_POINT: u16 = 8;
 
@@ -42,6 +44,8 @@ pub(super) enum Stage {
     FreeWays(u16),
     /// The ends of those.
     Frontiers,
+    /// Ways of a place that are short: of this one, and of so many more.
+    Reopen(u8),
     /// What the robot is to do; a way that it knows needs no wave.
     Purpose,
     /// The places at which the wave begins, from this one on.
@@ -96,9 +100,9 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         goal: Option<&Goal<SECTORS>>,
         steps: u16,
     ) -> Poll<Option<Leg>> {
-        // Where it looks for a position narrow ways count, and places stand close.
-        let is_narrow = self.looks_for_position();
-        let close_mm = if is_narrow { CLOSE_MM } else { u16::MAX };
+        // Where it looks closely narrow ways count, and places stand close.
+        let close_mm = if self.is_close() { CLOSE_MM } else { u16::MAX };
+        let is_narrow = self.is_close() || self.looks_closely;
         let limits = &PlaceLimits {
             spacing_mm: limits.spacing_mm.min(close_mm),
             ..*limits
@@ -130,6 +134,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             Stage::Place => self.find_place(limits),
             Stage::FreeWays(first) => self.measure_ways(ground, first, ground.steps(steps)),
             Stage::Frontiers => self.find_frontiers(limits),
+            Stage::Reopen(left) => self.reopen(limits, left),
             Stage::Purpose => match self.purpose {
                 Purpose::Perceive => Stage::NotLed,
                 Purpose::Search | Purpose::Stay => self.searched(),
@@ -183,6 +188,14 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         }
     }
 
+    /// It looks for a position, or for something anywhere and nothing else is left.
+    fn is_close(&self) -> bool {
+        match self.purpose {
+            Purpose::Lead(Aim::Everywhere) => self.looks_closely,
+            _ => self.looks_for_position(),
+        }
+    }
+
     /// It is led to a position, by a way that it has not gone.
     fn looks_for_position(&self) -> bool {
         matches!(self.purpose, Purpose::Lead(Aim::Position(_))) && self.frontier.is_some()
@@ -199,7 +212,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             (self.frontier, self.target) = (None, None);
         }
         let Some(index) = self.graph.place_at(limits, self.here, &self.view) else {
-            return Stage::Purpose;
+            return self.reopen_some();
         };
         if let Some(before) = self.current.filter(|before| *before != index) {
             self.graph.went(before, index);
@@ -208,7 +221,28 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         if self.graph.complete(index, self.here, &self.view) {
             Stage::FreeWays(0)
         } else {
+            self.reopen_some()
+        }
+    }
+
+    /// If it looks closely some of the places that it knows may have more open ways.
+    fn reopen_some(&self) -> Stage {
+        if self.looks_closely
+            && self.is_close()
+            && usize::from(self.reopened) < self.graph.records().len()
+        {
+            Stage::Reopen(REOPENED)
+        } else {
             Stage::Purpose
+        }
+    }
+
+    fn reopen(&mut self, limits: &PlaceLimits, left: u8) -> Stage {
+        self.graph.find_frontiers(limits, self.reopened);
+        self.reopened = self.reopened.saturating_add(1);
+        match left {
+            0 => Stage::Purpose,
+            left => Stage::Reopen(left - 1),
         }
     }
 
@@ -235,7 +269,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         if let Some(current) = self.current {
             self.graph.find_frontiers(limits, current);
         }
-        Stage::Purpose
+        self.reopen_some()
     }
 
     /// The situation that it seeks is found here, or sought here in vain.

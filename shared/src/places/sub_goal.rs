@@ -5,7 +5,7 @@ use super::ground::Ground;
 use super::recall::Sought;
 use super::record::Record;
 use super::stage::{Candidate, NO_CANDIDATE, Stage};
-use super::{Frontier, NOWHERE, PlaceLimits, Places, Target};
+use super::{Aim, Frontier, NOWHERE, PlaceLimits, Places, Purpose, Target};
 use crate::units::Displacement;
 
 /// The robot sees a place that is not farther than this, millimeters.
@@ -73,6 +73,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         let Some(index) = index.or_else(|| self.nearest_reached()) else {
             // Nothing is left: everything may be tried again.
             self.graph.search_anew();
+            self.looks_closely |= self.purpose == Purpose::Lead(Aim::Everywhere);
             self.lost.resign();
             return None;
         };

@@ -6,6 +6,7 @@ use crate::scan::Encoding;
 use crate::units::{Bearing, Range};
 use core::task::Poll;
 
+mod everywhere;
 mod locate;
 mod lost;
 mod narrow;

@@ -1,6 +1,7 @@
-//! The TOML world file: `[[wall]]`, `[[box]]` and `[[circle]]` in meters and degrees.
+//! The TOML world file: `[[wall]]`, `[[box]]` and `[[circle]]` in meters and degrees, and what else
+//! can be perceived: `[[light]]`, `[[scent]]` and `[[floor]]`.
 //!
-//! At least one of them is needed; everything else has a default: the file's name, the origin,
+//! At least one obstacle is needed; everything else has a default: the file's name, the origin,
 //! angle 0. An unknown key is an error, with its line. Examples stand in `host-sim/worlds`.
 
 use core::ops::Range;
@@ -11,6 +12,7 @@ use toml::Spanned;
 
 use crate::geometry::{Point, Pose};
 use crate::shapes::Shape;
+use crate::sources::{FloorPatch, Light, SCENT_REACH_M, Scent, Sources, named_color};
 use crate::world::{MAX_COORDINATE_M, World};
 use files::error::BadInput;
 use files::toml_reader::{Finite, Keyed, TomlText, TwoNumbers};
@@ -30,6 +32,12 @@ struct WorldFile {
     boxes: Vec<Keyed<BoxTable>>,
     #[serde(default)]
     circle: Vec<Keyed<CircleTable>>,
+    #[serde(default)]
+    light: Vec<Keyed<LightTable>>,
+    #[serde(default)]
+    scent: Vec<Keyed<ScentTable>>,
+    #[serde(default)]
+    floor: Vec<Keyed<FloorTable>>,
 }
 
 #[derive(Deserialize)]
@@ -62,6 +70,31 @@ struct CircleTable {
     radius_m: Spanned<Finite>,
 }
 
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LightTable {
+    position_m: Spanned<TwoNumbers>,
+    brightness: Option<Finite>,
+    until_s: Option<Finite>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ScentTable {
+    position_m: Spanned<TwoNumbers>,
+    reach_m: Option<Finite>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FloorTable {
+    center_m: TwoNumbers,
+    size_m: Spanned<TwoNumbers>,
+    #[serde(default)]
+    angle_deg: Finite,
+    color: Spanned<String>,
+}
+
 /// Loads the world file at `path`. Without a `name`, the world gets the name of the file.
 pub(super) fn load(path: &Path) -> Result<World, BadInput> {
     let text = read_text(path, MAX_INPUT_BYTES)?;
@@ -89,11 +122,13 @@ pub(super) fn parse(text: &str, source: &str, default_name: &str) -> Result<Worl
         None => Ok(shape),
     });
     let shapes = shapes.collect::<Result<Vec<_>, _>>()?;
+    let sources = sources(&file, text)?;
     let start = file.start.as_ref();
     let pose = start
         .map(|start| start.get_ref().0.pose())
         .unwrap_or_default();
     let world = World::new(name, pose, shapes)
+        .and_then(|world| world.with_sources(sources))
         .map_err(|error| BadInput::new(format!("{source}: {error}")))?;
     match outside(&world) {
         None => Ok(world),
@@ -103,6 +138,71 @@ pub(super) fn parse(text: &str, source: &str, default_name: &str) -> Result<Worl
                 None => start.span(),
             });
             Err(text.error(span.unwrap_or_default(), format!("position_m: {what}")))
+        }
+    }
+}
+
+/// What else can be perceived.
+fn sources(file: &WorldFile, text: TomlText<'_>) -> Result<Sources, BadInput> {
+    let each = |one: Sources, span: Range<usize>| match one.defect() {
+        Some(defect) => Err(text.error(span, defect)),
+        None => Ok(one),
+    };
+    let mut all = Sources::default();
+    for Keyed(light) in &file.light {
+        let one = Sources {
+            lights: vec![light.light()],
+            ..Sources::default()
+        };
+        all.lights
+            .extend(each(one, light.position_m.span())?.lights);
+    }
+    for Keyed(scent) in &file.scent {
+        let one = Sources {
+            scents: vec![scent.scent()],
+            ..Sources::default()
+        };
+        all.scents
+            .extend(each(one, scent.position_m.span())?.scents);
+    }
+    for Keyed(patch) in &file.floor {
+        let color = named_color(patch.color.get_ref())
+            .map_err(|error| text.error(patch.color.span(), error))?;
+        let one = Sources {
+            floor: vec![patch.patch(color)],
+            ..Sources::default()
+        };
+        all.floor.extend(each(one, patch.size_m.span())?.floor);
+    }
+    Ok(all)
+}
+
+impl LightTable {
+    fn light(&self) -> Light {
+        Light {
+            position: point(*self.position_m.get_ref()),
+            brightness: self.brightness.map_or(1.0, |Finite(value)| value),
+            until_s: self.until_s.map(|Finite(value)| value),
+        }
+    }
+}
+
+impl ScentTable {
+    fn scent(&self) -> Scent {
+        Scent {
+            position: point(*self.position_m.get_ref()),
+            reach_m: self.reach_m.map_or(SCENT_REACH_M, |Finite(value)| value),
+        }
+    }
+}
+
+impl FloorTable {
+    fn patch(&self, color: [f64; 3]) -> FloorPatch {
+        FloorPatch {
+            center: point(self.center_m),
+            size: point(*self.size_m.get_ref()),
+            angle: radians(self.angle_deg),
+            color,
         }
     }
 }

@@ -6,7 +6,9 @@
 use crate::caster::{Caster, LobeView, SonarLobe};
 use crate::nomad::COLLISION_RADIUS_M;
 use crate::shapes::point_defect;
+use crate::sources::{BARE_FLOOR, Cloud, Sensed, Sources};
 use files::error::BadInput;
+use std::sync::Arc;
 
 pub use crate::caster::{ConeShape, ConeView, Hit, Surface, Sweep, TOUCH_SLACK_M};
 pub use crate::geometry::{Point, Pose, wrap_angle};
@@ -27,6 +29,9 @@ pub struct World {
     shapes: Vec<Shape>,
     caster: Caster,
     bounds: (Point, Point),
+    sources: Sources,
+    /// Of each scent.
+    clouds: Vec<Arc<Cloud>>,
 }
 
 impl World {
@@ -77,7 +82,27 @@ impl World {
             start,
             goal: None,
             shapes,
+            sources: Sources::default(),
+            clouds: Vec::new(),
         }
+    }
+
+    /// This world with these sources instead of its own.
+    ///
+    /// # Errors
+    /// When a position lies beyond [`MAX_COORDINATE_M`], or a brightness, a reach or a size is not
+    /// positive or too great.
+    pub fn with_sources(mut self, sources: Sources) -> Result<Self, BadInput> {
+        if let Some(defect) = sources.defect() {
+            return Err(BadInput::new(defect));
+        }
+        let clouds = sources
+            .scents
+            .iter()
+            .map(|scent| Arc::new(Cloud::of(scent, &self)));
+        self.clouds = clouds.collect();
+        self.sources = sources;
+        Ok(self)
     }
 
     /// This world with one more post.
@@ -118,10 +143,11 @@ impl World {
             Some(old) => *old = shape,
             None => return Err(BadInput::new(format!("there is no shape {index}"))),
         }
-        Ok(Self {
+        let world = Self {
             goal: self.goal,
             ..Self::unchecked(self.name.clone(), self.start, shapes)
-        })
+        };
+        world.with_sources(self.sources.clone())
     }
 
     fn check_start(&self, radius_m: f64) -> Result<(), BadInput> {
@@ -213,6 +239,38 @@ impl World {
     /// Aims a view at a lobe: collects the surfaces that the sound of one transducer can hit.
     pub(crate) fn aim(&self, view: &mut LobeView, lobe: &SonarLobe) {
         self.caster.aim(view, lobe);
+    }
+
+    /// Lamps, scents and colored floor.
+    #[must_use]
+    pub fn sources(&self) -> &Sources {
+        &self.sources
+    }
+
+    /// What can be perceived of them at a point, `time_s` after the start.
+    #[must_use]
+    pub fn sensed(&self, at: Point, time_s: f64) -> Sensed {
+        let lights = self.sources.lights.iter();
+        let light: f64 = lights.map(|light| light.at(self, at, time_s)).sum();
+        let scents = self.clouds.iter().map(|cloud| cloud.at(at));
+        let patches = self.sources.floor.iter().rev();
+        let patch = { patches }.find(|patch| patch.shape().contains(at));
+        Sensed {
+            scent: scents.fold(0.0, f64::max),
+            light: light.min(1.0),
+            floor: patch.map_or(BARE_FLOOR, |patch| patch.color),
+        }
+    }
+
+    /// Whether a surface stands between two points.
+    pub(crate) fn is_hidden(&self, from: Point, to: Point) -> bool {
+        let way = to - from;
+        let away_m = way.length();
+        if away_m == 0.0 {
+            return false;
+        }
+        let hit = self.cast(from, way * (1.0 / away_m));
+        hit.is_some_and(|hit| hit.distance_m < away_m)
     }
 
     /// Whether `point` is inside a box, a circle or an occupied part of a map.

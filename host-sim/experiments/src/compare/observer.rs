@@ -7,6 +7,7 @@ use amp::units::{Millis, Range};
 use sim::error::EpisodeError;
 use sim::pilot::{InspectableController, Pilot, SimState};
 use sim::robot::MAX_BEAMS;
+use sim::senses::{Readings, SenseGoal};
 use std::time::{Duration, Instant};
 
 /// Goal of obstacle avoidance for every method: no echo nearer than this, mm from the faces (as the
@@ -94,6 +95,14 @@ impl<P: Pilot> Pilot for ObservedDriver<P> {
             self.decided(at);
         }
         outputs
+    }
+
+    fn sense(&mut self, at: Millis, readings: &Readings) {
+        self.driver.sense(at, readings);
+    }
+
+    fn seek_sense(&mut self, goal: Option<SenseGoal>) -> Result<(), EpisodeError> {
+        self.driver.seek_sense(goal)
     }
 
     fn lead_to(&mut self, aim: Option<Aim>) -> Result<(), EpisodeError> {

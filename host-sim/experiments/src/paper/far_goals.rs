@@ -4,6 +4,7 @@
 use super::measure::{MeasureError, ProgressListener, Size};
 use super::{PaperReading, STEPS, rooms};
 use arena::robot_model::RobotModel;
+use arena::sources::{Light, Sources};
 use arena::world::World;
 use files::error::BadInput;
 use rayon::prelude::*;
@@ -11,6 +12,7 @@ use sim::behavior::{Behavior, TOUR_STEPS};
 use sim::episode::{EpisodeReport, Setup, run};
 use sim::error::EpisodeError;
 use sim::robot::{AnyRobot, Ranges};
+use sim::senses::{Sense, SenseGoal, Wanted};
 
 /// Reports by world. The Nomad's ring is read through points.
 pub struct FarGoals {
@@ -22,7 +24,14 @@ pub struct FarGoals {
     pub carried: Vec<EpisodeReport>,
     /// The nest without a tour, set down elsewhere.
     pub new: Vec<EpisodeReport>,
+    /// Where it smells strongest, after a tour.
+    pub scent: Vec<EpisodeReport>,
+    /// Where it was before it got dark, after a tour.
+    pub dark: Vec<EpisodeReport>,
 }
+
+/// The lamp at the start goes out then, s: soon after the random moves.
+const DARK_S: f64 = 120.0;
 
 /// Measures all worlds, on all cores.
 ///
@@ -34,7 +43,7 @@ pub(super) fn measure(
     progress: &impl ProgressListener,
 ) -> Result<FarGoals, MeasureError> {
     let worlds = u64::from(size.rooms.div_ceil(8));
-    progress.begin("far goals", 4 * worlds);
+    progress.begin("far goals", 6 * worlds);
     let robot = nomad()?;
     let drives = |behavior: Behavior, is_led: bool| -> Result<Vec<_>, EpisodeError> {
         let robot = robot.clone().led(is_led);
@@ -47,7 +56,7 @@ pub(super) fn measure(
                 record: false,
                 ..setup
             };
-            let world = World::random2(number.wrapping_add(1));
+            let world = lit(World::random2(number.wrapping_add(1)))?;
             let episode = run(&world, &setup, |_, _, _| {});
             progress.done();
             episode.map(|episode| episode.report)
@@ -60,7 +69,31 @@ pub(super) fn measure(
         alone: drives(Behavior::Home { tour }, false)?,
         carried: drives(Behavior::Nest { tour }, true)?,
         new: drives(Behavior::Nest { tour: 0 }, true)?,
+        scent: drives(sought(Sense::Scent, Wanted::Strongest), true)?,
+        dark: drives(sought(Sense::Light, Wanted::Before), true)?,
     })
+}
+
+/// After a tour.
+fn sought(sense: Sense, wanted: Wanted) -> Behavior {
+    Behavior::Sense {
+        goal: SenseGoal { sense, wanted },
+        tour: TOUR_STEPS,
+    }
+}
+
+/// The world with a lamp over its start.
+fn lit(world: World) -> Result<World, EpisodeError> {
+    let lamp = Light {
+        position: world.start().position,
+        brightness: 1.0,
+        until_s: Some(DARK_S),
+    };
+    let lit = world.with_sources(Sources {
+        lights: vec![lamp],
+        ..Sources::default()
+    });
+    lit.map_err(|why| EpisodeError::World(why.to_string()))
 }
 
 /// The Nomad, without a guard.

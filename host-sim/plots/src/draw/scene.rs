@@ -1,10 +1,12 @@
 //! Draws the world: meters to pixels, obstacles, scale bar, positions of an episode.
 
+use arena::sources::Sources;
 use arena::world::{Point, Shape, World};
 use sim::recording::Step;
 
-use super::color::{INK, OBSTACLE};
-use super::svg::{Anchor, Font, Svg, filled, num, stroke};
+use super::color::{GREEN, INK, OBSTACLE, ORANGE, YELLOW};
+use super::layout::Legend;
+use super::svg::{Anchor, Font, Svg, fill, filled, num, stroke};
 
 /// The corners (lowest, highest) of the rectangle that holds the world, m.
 pub fn extent(world: &World) -> [Point; 2] {
@@ -51,8 +53,58 @@ impl SceneView {
     }
 }
 
-/// Draws walls as lines and bodies as filled outlines.
+/// Rings around a source, as shares of the distance over which it falls by half or to 1/e.
+const RINGS: [f64; 3] = [0.25, 0.5, 1.0];
+
+/// Colored floor, scents and lamps.
+fn sources(svg: &mut Svg, view: &SceneView, sources: &Sources) {
+    for patch in &sources.floor {
+        let [red, green, blue] = patch.color.map(|share| (255.0 * share) as u8);
+        let corners = Shape::box_corners(patch.center, patch.size, patch.angle);
+        let color = format!("#{red:02x}{green:02x}{blue:02x}");
+        let style = format!(r#"{} fill-opacity="0.45""#, fill(&color));
+        svg.polygon(&corners.map(|corner| view.at(corner)), &style);
+    }
+    let scents = sources.scents.iter();
+    let scents = scents.map(|scent| (scent.position, scent.reach_m, GREEN, GREEN));
+    let lamps = sources.lights.iter();
+    let lamps = lamps.map(|lamp| (lamp.position, 1.0, YELLOW, ORANGE));
+    let area = view.area();
+    for (position, reach_m, inside, rim) in scents.chain(lamps) {
+        let at = view.at(position);
+        svg.clipped(&format!("near-{:.0}-{:.0}", at[0], at[1]), area, |svg| {
+            for share in RINGS {
+                let style = format!(
+                    r#"{} fill-opacity="0.12" stroke-opacity="0.5" stroke-dasharray="3 3""#,
+                    filled(inside, rim, 1.0)
+                );
+                svg.circle(at, share * reach_m * view.scale, &style);
+            }
+        });
+        source_mark(svg, at, inside);
+    }
+}
+
+/// The mark of a scent or a lamp.
+fn source_mark(svg: &mut Svg, at: [f64; 2], color: &str) {
+    svg.circle(at, 5.0, &filled(color, INK, 1.3));
+}
+
+/// Legend entries of what else can be perceived.
+pub fn sources_legend(legend: &mut Legend, svg: &mut Svg, sources: &Sources) {
+    if !sources.scents.is_empty() {
+        legend.entry(svg, "a source of a scent", |svg, at| {
+            source_mark(svg, at, GREEN)
+        });
+    }
+    if !sources.lights.is_empty() {
+        legend.entry(svg, "a lamp", |svg, at| source_mark(svg, at, YELLOW));
+    }
+}
+
+/// Draws walls as lines and bodies as filled outlines, above what else can be perceived.
 pub fn obstacles(svg: &mut Svg, view: &SceneView, world: &World) {
+    sources(svg, view, world.sources());
     let body = filled(OBSTACLE, INK, 1.3);
     let wall = format!(r#"{} stroke-linecap="round""#, stroke(INK, 2.4));
     let on_page = |points: &[Point]| {

@@ -6,11 +6,12 @@ use amp::controller::{Event, Mode, Outputs};
 use amp::fixed::Mask;
 use amp::places::Aim;
 use amp::turret::BodySpec;
-use amp::units::{Millis, Range};
+use amp::units::{Displacement, Millis, Range};
 use files::error::BadInput;
 use sim::error::EpisodeError;
 use sim::pilot::{AgedEcho, InspectableController as _, LocalController, Pilot, SimState};
 use sim::robot::{AnyRobot, MAX_BEAMS};
+use sim::senses::{Readings, SenseGoal};
 use sim::turret_pilot::{SimTurret, TurretController};
 
 /// Place of a controller.
@@ -213,6 +214,16 @@ impl AnyController {
         Ok(())
     }
 
+    /// Where the robot perceived what is sought in another modality, in the frame of its places,
+    /// and how strongly, 0 … 1.
+    #[must_use]
+    pub fn remembered(&self, goal: SenseGoal) -> Vec<(Displacement, f64)> {
+        match self {
+            Self::Body(controller, _) => controller.senses().remembered(goal),
+            Self::Host(_) | Self::Link(_) => Vec::new(),
+        }
+    }
+
     /// Replaces configuration and knowledge; only in this process.
     pub fn replace(&mut self, knowledge: &Knowledge) {
         if let Self::Host(controller) = self {
@@ -244,6 +255,19 @@ impl Pilot for AnyController {
             Self::Host(controller) => controller.lead_to(aim),
             Self::Body(controller, _) => controller.lead_to(aim),
             Self::Link(remote) => remote.controller.lead_to(aim),
+        }
+    }
+
+    fn sense(&mut self, at: Millis, readings: &Readings) {
+        if let Self::Body(controller, _) = self {
+            controller.sense(at, readings);
+        }
+    }
+
+    fn seek_sense(&mut self, goal: Option<SenseGoal>) -> Result<(), EpisodeError> {
+        match self {
+            Self::Body(controller, _) => controller.seek_sense(goal),
+            Self::Host(_) | Self::Link(_) => goal.map_or(Ok(()), |_| Err(EpisodeError::NoPlaces)),
         }
     }
 

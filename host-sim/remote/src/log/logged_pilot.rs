@@ -9,6 +9,7 @@ use arena::world::World;
 use sim::episode::{Body, Observer, StepResult};
 use sim::error::EpisodeError;
 use sim::pilot::{AgedEcho, InspectableController, Pilot, SimState};
+use sim::senses::{Readings, SenseGoal};
 use std::io::{Seek, Write};
 
 /// A pilot with an optional log.
@@ -142,6 +143,14 @@ impl<P: Pilot, W: Write + Seek> Pilot for LoggedPilot<P, W> {
 
     fn lead_to(&mut self, aim: Option<Aim>) -> Result<(), EpisodeError> {
         self.pilot.lead_to(aim)
+    }
+
+    fn sense(&mut self, at: Millis, readings: &Readings) {
+        self.pilot.sense(at, readings);
+    }
+
+    fn seek_sense(&mut self, goal: Option<SenseGoal>) -> Result<(), EpisodeError> {
+        self.pilot.seek_sense(goal)
     }
 
     fn failure(&self) -> Option<EpisodeError> {

@@ -6,6 +6,7 @@
 
 mod odometer;
 mod on_body;
+mod sensing;
 mod step_result;
 mod units;
 mod wrong_base;
@@ -48,6 +49,8 @@ pub struct Body<'w> {
     motion: Motion,
     odometer: Odometer,
     wrong_base: WrongBase,
+    /// Of what is sensed beside ranges.
+    sense_noise: Noise,
 }
 
 impl<'w> Body<'w> {
@@ -88,6 +91,7 @@ impl<'w> Body<'w> {
             },
             odometer: Odometer::new(start),
             wrong_base: WrongBase::default(),
+            sense_noise: Noise::new(0),
         }
     }
 

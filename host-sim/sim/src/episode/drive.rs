@@ -7,6 +7,7 @@ use super::measure::Measure;
 use super::metrics::{EpisodeReport, Metrics, StepFlags};
 use super::record::StepRecorder;
 use super::setup::Setup;
+use super::sources::with_missing_sources;
 use crate::behavior::Behavior;
 use crate::error::EpisodeError;
 use crate::pilot::{InspectableController, LocalController, Pilot};
@@ -17,6 +18,8 @@ use amp::controller::{Command, Decision, Event};
 use amp::fixed::{Mask, Weight};
 use amp::scan::Situation;
 use amp::units::Millis;
+use arena::noise::Noise;
+use arena::sources::Sensed;
 use arena::world::{Point, World};
 
 /// The phases of an episode.
@@ -115,7 +118,7 @@ pub fn run_observed<'w>(
         Some(recorder) => {
             let place = setup.behavior.place(runner.measure.nest);
             Some(recorder.finish(
-                world,
+                runner.body.world(),
                 setup,
                 runner.body.radius_m(),
                 place,
@@ -152,7 +155,12 @@ pub(super) fn explored<'w>(
         None => Body::new(world, setup.sonar, setup.turret, seeds.noise),
         Some(robot) => Body::of_robot(world, robot, setup.sonar, seeds.noise),
     };
-    let body = body.with_faults(&setup.faults);
+    let mut body = body.with_faults(&setup.faults).sensing(seeds.sources);
+    let noise = Noise::new(seeds.sources);
+    let sourced = with_missing_sources(world, &setup.behavior, body.radius_m(), noise);
+    if let Some(sourced) = sourced.map_err(|why| EpisodeError::World(why.to_string()))? {
+        body.set_world(sourced);
+    }
     let mut runner = EpisodeRunner::new(world, body, setup.record);
     runner.observer = observer;
 
@@ -224,6 +232,8 @@ pub(super) struct EpisodeRunner<'w> {
     first: bool,
     /// When the robot was told its goal.
     pub(super) began_s: f64,
+    /// What could be perceived beside ranges, and where.
+    pub(super) sensed: Vec<(Point, Sensed)>,
     /// The current step.
     pub(super) open: Option<StepFlags>,
     recorder: Option<StepRecorder>,
@@ -247,6 +257,7 @@ impl<'w> EpisodeRunner<'w> {
             nest_known: Mask::ALL,
             first: true,
             began_s: 0.0,
+            sensed: Vec::new(),
             open: None,
             recorder: record.then(StepRecorder::default),
             observer: None,
@@ -281,6 +292,7 @@ impl<'w> EpisodeRunner<'w> {
             self.body
                 .ignore_gaps_above(least_m.unwrap_or(f64::INFINITY));
             let result = self.body.advance(pilot);
+            self.sense(pilot);
             if let Some(observer) = &mut self.observer {
                 observer.on_step(milliseconds(result.time_s), &result, &self.body);
             }

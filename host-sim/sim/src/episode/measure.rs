@@ -3,6 +3,7 @@
 
 use super::metrics::Metrics;
 use crate::behavior::{Behavior, WALL_RANGE_M};
+use crate::senses::{Sense, Wanted};
 use arena::route::{self, route};
 use arena::sonar::FACE_RADIUS_M;
 use arena::world::{ConeShape, Point, Shape, World};
@@ -38,6 +39,8 @@ pub(super) struct Measure {
     pub reached: u32,
     /// Shortest way to the nest when the robot was told to go there, m.
     pub shortest_m: Option<f64>,
+    /// At the end of a way the robot was at what was sought.
+    pub is_found: bool,
 }
 
 impl Measure {
@@ -55,6 +58,7 @@ impl Measure {
             passed: [0; 2],
             reached: 0,
             shortest_m: None,
+            is_found: false,
         }
     }
 
@@ -142,6 +146,14 @@ impl Measure {
             ),
             Behavior::Nest { .. } | Behavior::Home { .. } => {
                 (self.is_home(), "1 = within 0.3 m of the nest at the end")
+            }
+            Behavior::Sense { goal, .. } => {
+                let unit = match (goal.sense, goal.wanted) {
+                    (_, Wanted::Before) => "1 = within 0.6 m of where it was before, at the end",
+                    (Sense::Floor, _) => "1 = on floor of that color at the end",
+                    _ => "1 = within 0.6 m of the source at the end",
+                };
+                (f64::from(u8::from(self.is_found)), unit)
             }
             Behavior::Seek(file) => match file.place_mm {
                 Some(_) => (self.is_home(), "1 = within 0.3 m of the place at the end"),

@@ -1,8 +1,9 @@
 //! An episode: one robot in one world explores, learns and pursues a goal.
 //!
 //! The simulated body sends events to the controller and carries out its motions; the pilot never
-//! sees the world. SplitMix64, seeded by the episode's seed, draws two seeds: first that of the
-//! random moves, then that of all noise. So a run without noise makes the same random moves.
+//! sees the world. SplitMix64, seeded by the episode's seed, draws three seeds: first that of the
+//! random moves, then that of all noise, then that of what is perceived beside ranges. So a run
+//! without noise makes the same random moves.
 
 mod body;
 mod calibrate;
@@ -15,6 +16,7 @@ mod places;
 mod pursue;
 mod record;
 mod setup;
+mod sources;
 
 pub use body::milliseconds;
 pub use body::{Body, Collision, Moved, StepResult};
@@ -29,27 +31,31 @@ pub use metrics::{EpisodeReport, Metrics, StepFlags};
 pub use places::elsewhere;
 pub use pursue::{CARRY_TIME_S, repeat};
 pub use setup::Setup;
+pub use sources::with_missing_sources;
 
 use rand_core::{Rng as _, SeedableRng as _};
 use rand_xoshiro::SplitMix64;
 
-/// The two seeds of an episode.
+/// The seeds of an episode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Seeds {
     /// For the controller's own generator.
     pub exploration: u64,
     /// For the noise of sonars and wheels.
     pub noise: u64,
+    /// For what else can be perceived, and where it is in worlds without it.
+    pub sources: u64,
 }
 
 impl Seeds {
-    /// The first two outputs of SplitMix64 seeded with `seed`.
+    /// The first three outputs of SplitMix64 seeded with `seed`.
     #[must_use]
     pub fn of(seed: u64) -> Self {
         let mut generator = SplitMix64::seed_from_u64(seed);
         Self {
             exploration: generator.next_u64(),
             noise: generator.next_u64(),
+            sources: generator.next_u64(),
         }
     }
 }

@@ -73,19 +73,26 @@ impl EpisodeRunner<'_> {
         setup: &Setup,
         mut progress: impl FnMut(u32),
     ) -> Result<(), EpisodeError> {
-        if let Behavior::Home { tour } = setup.behavior {
+        if let Some(tour) = setup.behavior.tour() {
             self.tour(pilot, setup, tour, &mut progress)?;
         }
         let parts = setup.behavior.parts();
         let alone = parts.len() == 1;
         for (number, part) in parts.iter().enumerate() {
             (self.behavior, self.part) = (part.clone(), number);
-            let is_home = matches!(part, Behavior::Home { .. });
-            if is_home && alone {
+            let has_way = part.tour().is_some();
+            if let Behavior::Sense { goal, .. } = part {
+                self.measure.nest = self.sought(*goal);
+            }
+            if has_way && alone {
                 let (from, radius_m) = (self.body.pose().position, self.body.radius_m());
                 self.measure.begin_way(self.world, from, radius_m);
             }
+            let sense_goal = part.sense_goals().next();
+            pilot.seek_sense(sense_goal)?;
             match part {
+                // What it senses leads it.
+                Behavior::Sense { .. } => self.sense(pilot),
                 Behavior::Home { .. } => pilot.lead_to(Some(START))?,
                 Behavior::Nest { .. } => pilot.lead_if_it_can(Some(START))?,
                 _ => pilot.lead_if_it_can(Some(Aim::Situation))?,
@@ -98,14 +105,19 @@ impl EpisodeRunner<'_> {
             let begun = self.metrics.clone();
             // A single behavior uses all steps; in a chain each decision may be the last.
             let is_over = |now: &Metrics| {
-                let ends = !alone || is_home;
+                let ends = !alone || has_way;
                 now.steps >= setup.steps || ends && is_reached(part, &begun, now)
             };
             self.drive(pilot, is_over, &mut progress)?;
+            self.measure.is_found = sense_goal.is_some_and(|goal| self.is_at(goal));
             if !is_reached(part, &begun, &self.metrics) {
                 return Ok(());
             }
-            let is_there = !matches!(part, Behavior::Nest { .. }) || self.measure.at_nest();
+            let is_there = match part {
+                Behavior::Nest { .. } => self.measure.at_nest(),
+                Behavior::Sense { .. } => self.measure.is_found,
+                _ => true,
+            };
             self.measure.reached += u32::from(is_there);
         }
         Ok(())
@@ -122,7 +134,13 @@ impl EpisodeRunner<'_> {
         if steps == 0 {
             return Ok(());
         }
-        pilot.lead_to(Some(Aim::Frontier))?;
+        // For what is sought it may have to go anywhere; home is by the ways that it knows.
+        let seeks = setup.behavior.sense_goals().next().is_some();
+        pilot.lead_to(Some(if seeks {
+            Aim::Everywhere
+        } else {
+            Aim::Frontier
+        }))?;
         self.command(pilot, Command::Seek(Goal::avoiding(&setup.config)))?;
         self.drive(pilot, |now| now.steps >= steps, &mut progress)?;
         self.next_phase(self.world);

@@ -265,11 +265,12 @@ fn goal_by_name(name: &str) -> Result<Goal<16>, BadInput> {
         return Ok(GoalFile::load(name.as_ref())?.goal());
     }
     match name.parse()? {
-        Behavior::Nest { .. } | Behavior::Home { .. } | Behavior::Chain(_) => {
-            Err(BadInput::new(format!(
-                "goal {name}: a controller on a chip takes one goal at a time; at the nest, `goal perceived` captures it"
-            )))
-        }
+        Behavior::Nest { .. }
+        | Behavior::Home { .. }
+        | Behavior::Sense { .. }
+        | Behavior::Chain(_) => Err(BadInput::new(format!(
+            "goal {name}: a controller on a chip takes one goal at a time; at the nest, `goal perceived` captures it"
+        ))),
         behavior => Ok(behavior.goal(&Config::recommended(), &[Weight::ZERO; 16])),
     }
 }

@@ -54,6 +54,7 @@ impl WatchedNomad {
             world: format!("Nomad at {}", start.name),
             bounds: self.bounds.map(xy),
             shapes: Vec::new(),
+            sources: Vec::new(),
             start: xy(place),
             radii_m: [COLLISION_RADIUS_M, RingGeometry::default().face_radius_m].map(Rounded),
             half_angle_rad: Rounded(SonarModel::Nomad.config().half_angle_rad),

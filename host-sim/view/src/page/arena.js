@@ -3,7 +3,7 @@ const arena = { root: $("arena"), pieces: new Map(), spots: new Map(), shapes: [
 
 function buildArena() {
   const root = arena.root;
-  for (const name of ["things", "spots-layer", "cones", "places-layer", "trails", "marks", "way-layer", "signs", "robots"]) arena[name] = svg("g", {}, root);
+  for (const name of ["sources-layer", "things", "spots-layer", "cones", "places-layer", "trails", "marks", "way-layer", "signs", "robots"]) arena[name] = svg("g", {}, root);
   arena["spots-layer"].setAttribute("pointer-events", "none");
   arena.cones.setAttribute("pointer-events", "none");
   arena.beams = Array.from({ length: 16 }, () => svg("path", { class: "cone" }, arena.cones));
@@ -241,8 +241,8 @@ function grabbable(element, begin) {
     const way = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
     if (!way) return;
     event.preventDefault();
-    const { what, shape, at } = begin();
-    ask(what, { shape, x: at[0] + 0.05 * way[0], y: at[1] + 0.05 * way[1] });
+    const { what, shape, source, at } = begin();
+    ask(what, { shape, source, x: at[0] + 0.05 * way[0], y: at[1] + 0.05 * way[1] });
   });
 }
 
@@ -261,9 +261,9 @@ function dragOn(event) {
   if (drag.what === "move_robot") place(drag.element, drag.to[0], drag.to[1], view.now.pose[2], 0);
   else set(drag.element, { transform: `translate(${dx} ${dy})` });
   // An obstacle moves while it is dragged; the robot moves once at the end.
-  if (drag.what === "move_shape" && performance.now() - drag.sent > 150) {
+  if (drag.what !== "move_robot" && performance.now() - drag.sent > 150) {
     drag.sent = performance.now();
-    sendCommand(drag.what, { shape: drag.shape, x: drag.to[0], y: drag.to[1] }).catch(() => {});
+    sendCommand(drag.what, { shape: drag.shape, source: drag.source, x: drag.to[0], y: drag.to[1] }).catch(() => {});
   }
 }
 
@@ -272,9 +272,9 @@ function dragEnd() {
   arena.drag = null;
   arena.root.classList.remove("dragging");
   if (!drag) return;
-  const settle = () => { if (view.scene) showShapes(view.scene); if (view.now) showRobot(view.now); };
+  const settle = () => { if (view.scene) { showShapes(view.scene); showSources(view.scene); } if (view.now) showRobot(view.now); };
   if (!drag.to) return settle();
-  ask(drag.what, { shape: drag.shape, x: drag.to[0], y: drag.to[1] }).then(settle);
+  ask(drag.what, { shape: drag.shape, source: drag.source, x: drag.to[0], y: drag.to[1] }).then(settle);
 }
 
 buildArena();

@@ -73,6 +73,13 @@ function showMode(now) {
   showGoalChoice();
 }
 
+// What the robot's other sensors read.
+function sensedRows(sensed) {
+  if (!sensed) return [];
+  const percent = (share) => `${fixed(100 * share, 0)} %`;
+  return [["scent", percent(sensed.scent)], ["light", percent(sensed.light)], ["floor", sensed.floor]];
+}
+
 function showCounts(now) {
   const counts = now.counts;
   const share = (part) => counts.steps ? `${fixed(100 * part / counts.steps, 0)} %` : "–";
@@ -82,7 +89,7 @@ function showCounts(now) {
     ["contacts", `${counts.contacts}`, counts.contacts > 0], ["shield", `${counts.shielded}`],
     ["goal held", share(counts.at_goal)], ["distance", `${fixed(counts.distance_m, 1)} m`],
     ["least gap", counts.clearance_m === null ? "–" : meters(counts.clearance_m)], ["area swept", counts.coverage_m2 === null ? "–" : `${fixed(counts.coverage_m2, 1)} m²`],
-    ["controller", mind, false], ["link", now.link ? (now.why ? "lost" : "connected") : "–", !!now.link && !!now.why]];
+    ...sensedRows(now.sensed), ["controller", mind, false], ["link", now.link ? (now.why ? "lost" : "connected") : "–", !!now.link && !!now.why]];
   // Unknown values are hidden.
   const rows = all.filter(([, text]) => text !== "–" || !view.scene || view.scene.abilities.carry).filter(([name, text]) => name !== "link" || text !== "–");
   const root = $("counts");
@@ -189,7 +196,7 @@ function bindControls() {
   $("here").addEventListener("click", async () => { if (await ask("goal_here") && view.now.mode !== "seek") notify("The goal is set: move the robot away and press Seek."); });
   $("speed").addEventListener("change", (event) => ask("speed", { factor: event.target.value === "null" ? null : Number(event.target.value) }).then(() => event.target.blur()));
   $("behavior").addEventListener("change", (event) => { if (event.target.value !== NAMED) askBehavior(event.target.value); event.target.blur(); });
-  $("tour").addEventListener("change", (event) => { askBehavior("home"); event.target.blur(); });
+  $("tour").addEventListener("change", (event) => { askBehavior(view.now.goal.name); event.target.blur(); });
   for (const id of ["shield", "online"]) $(id).addEventListener("change", async (event) => {
     pendingSwitch = id;
     await ask(id, { on: event.target.checked });

@@ -65,6 +65,7 @@ impl WatchedLog {
             world: setup.world.clone(),
             bounds: [xy(low), xy(high)],
             shapes: playback.shapes.to_vec(),
+            sources: Vec::new(),
             start: xy(playback.start.unwrap_or_default()),
             radii_m: [COLLISION_RADIUS_M, RingGeometry::default().face_radius_m].map(Rounded),
             half_angle_rad: Rounded(sonar.config().half_angle_rad),

@@ -16,6 +16,7 @@ use files::error::BadInput;
 use files::hex::unhex;
 use remote::link::{AnyController, Knowledge};
 use remote::log::LoggedController;
+use sim::behavior::Behavior;
 use sim::episode::{CARRY_TIME_S, Seeds, nest_known};
 
 impl Simulator {
@@ -41,6 +42,9 @@ impl Simulator {
             }
             PageCommand::MoveShape { shape, x, y } => {
                 self.move_shape(*shape, Point::new(*x, *y))?
+            }
+            PageCommand::MoveSource { source, x, y } => {
+                self.move_source(*source, Point::new(*x, *y))?;
             }
             PageCommand::MoveRobot { x, y } => self.move_robot(Point::new(*x, *y))?,
             PageCommand::Behavior { .. }
@@ -129,7 +133,7 @@ impl Simulator {
         if self.activity == SimulatorActivity::Learn {
             return Err("it still learns".into());
         }
-        self.prepare_goal();
+        self.prepare_goal()?;
         self.goal.begin(self.seeking.steps, self.seeking.goal_steps);
         self.pursue()?;
         if self.activity != SimulatorActivity::Seek {
@@ -153,14 +157,33 @@ impl Simulator {
         Ok(())
     }
 
-    /// Adds a leader if the goal needs one.
-    fn prepare_goal(&mut self) {
-        let Some(behavior) = self.goal.as_behavior() else {
+    /// Starts the next part of a chain when the current one is reached; stops after the last.
+    pub(super) fn advance_goal(&mut self) {
+        if self.activity != SimulatorActivity::Seek || self.failure.is_some() {
             return;
+        }
+        let (steps, held) = (self.seeking.steps, self.seeking.goal_steps);
+        let done = match self.goal.advance(steps, held) {
+            None => return,
+            Some(true) => self.pursue(),
+            Some(false) => {
+                let note = self.goal.reached();
+                self.stop().map(|()| self.note = Some(note))
+            }
         };
-        if behavior.has_leader() && self.body.leader().is_none() {
+        if let Err(refused) = done {
+            self.fail(refused.0);
+        }
+    }
+
+    /// Adds a leader if the goal needs one, and what it seeks.
+    fn prepare_goal(&mut self) -> Result<(), CommandRefused> {
+        let behavior = self.goal.as_behavior();
+        let needs_leader = behavior.is_some_and(Behavior::has_leader);
+        if needs_leader && self.body.leader().is_none() {
             self.body.add_leader();
         }
+        self.add_missing_sources()
     }
 
     fn resume(&mut self) -> Result<(), CommandRefused> {
@@ -173,7 +196,8 @@ impl Simulator {
         let before = std::mem::replace(&mut self.goal, goal);
         let outcome = match self.activity {
             SimulatorActivity::Seek => self.seek(),
-            _ => Ok(()),
+            // So that the robot may come upon it before.
+            _ => self.add_missing_sources(),
         };
         if outcome.is_err() {
             self.goal = before;

@@ -6,6 +6,7 @@
 mod commands;
 mod parts;
 mod places;
+mod senses;
 mod think;
 
 use super::command::{CommandOutcome, PageCommand};
@@ -35,7 +36,7 @@ use std::sync::Arc;
 /// Rings without a decision after which the controller counts as silent.
 const MAX_SILENT_RINGS: f64 = 100.0;
 
-/// The initial settings of a simulation.
+/// How a simulation begins.
 #[derive(Debug, Clone)]
 pub struct SimulatorStart {
     /// The world.
@@ -99,7 +100,7 @@ pub struct Simulator {
     /// A remark for the page.
     note: Option<String>,
     goal: ActiveGoal,
-    /// Situation and place before the first move.
+    /// Before the first move.
     nest: Option<(Situation<16>, Point)>,
     decision: Option<Decision<16>>,
     /// The situation before the latest decision.
@@ -126,7 +127,7 @@ pub struct Simulator {
     cache: SimulatorCache,
 }
 
-/// Parts of the latest snapshot, and the number of snapshots.
+/// Parts of the latest snapshot.
 #[derive(Default)]
 struct SimulatorCache {
     revision: u64,
@@ -163,11 +164,12 @@ impl Simulator {
             Some(robot) => Body::of_robot_within(world, robot, setup.sonar, noise),
         };
         let body = body.with_faults(&setup.faults);
+        let body = body.sensing(Seeds::of(setup.seed).sources);
         let goal = ActiveGoal::behavior(&setup.behavior);
         let ranges_m = body.look();
         let nothing = Metrics::new(&start.world, body.radius_m());
         let watcher = controller.log().cloned().map(WorldLogger::new);
-        Self {
+        let mut simulator = Self {
             config: setup.config.clone(),
             controller,
             watcher,
@@ -197,7 +199,9 @@ impl Simulator {
             cache: SimulatorCache::default(),
             body,
             start,
-        }
+        };
+        simulator.begin_sources();
+        simulator
     }
 
     fn command(&mut self, command: Command<16>) -> Result<(), CommandRefused> {
@@ -227,6 +231,7 @@ impl Simulator {
     fn drive(&mut self) -> StepOutcome {
         let began_s = self.body.time_s();
         let result = self.body.advance(&mut self.controller);
+        self.sense();
         self.settle_places();
         if let Some(watcher) = &mut self.watcher {
             let at = milliseconds(result.time_s);
@@ -291,25 +296,6 @@ impl Simulator {
         self.controller.pilot().invalidate_cache(false);
         if self.activity == SimulatorActivity::Seek && self.config.online.is_some() {
             self.cache.knowledge.invalidate_maps();
-        }
-    }
-
-    /// Starts the next part of a chain when the current one is reached; stops after the last.
-    fn advance_goal(&mut self) {
-        if self.activity != SimulatorActivity::Seek || self.failure.is_some() {
-            return;
-        }
-        let (steps, held) = (self.seeking.steps, self.seeking.goal_steps);
-        let done = match self.goal.advance(steps, held) {
-            None => return,
-            Some(true) => self.pursue(),
-            Some(false) => {
-                let note = self.goal.reached();
-                self.stop().map(|()| self.note = Some(note))
-            }
-        };
-        if let Err(refused) = done {
-            self.fail(refused.0);
         }
     }
 

@@ -1,5 +1,6 @@
 //! Builds the snapshot of the simulator.
 
+use super::senses::source_dtos;
 use super::{Simulator, SimulatorActivity};
 use crate::dto::{displacements, millimeters, plan_dto, pose_dto, ring, shape_dto, xy};
 use crate::snapshot::{
@@ -95,6 +96,7 @@ impl Simulator {
             counts: self.counts(),
             shield: self.config.shield.is_some(),
             online: self.config.online.is_some(),
+            sensed: self.sensed(),
             leader: self.body.leader().map(xy),
             link: (!self.controller.inner().is_local()).then(|| self.controller.inner().name()),
             trail: self.trail.ends(),
@@ -188,9 +190,13 @@ fn scene(simulator: &Simulator) -> SceneDto {
             robot.sensing(setup.sonar).half_angle_rad,
         ),
     };
-    let home = simulator.has_places().then_some("home");
-    let names = Behavior::NAMES.into_iter().chain(home);
-    let about = |name: &str| [name.to_owned(), Behavior::about(name).to_owned()];
+    let led = ["home", "scent:strongest", "light:strongest", "floor:red"];
+    let led = led.into_iter().filter(|_| simulator.has_places());
+    let names = Behavior::NAMES.into_iter().chain(led);
+    let about = |name: &str| {
+        let kind = name.split(':').next().unwrap_or(name);
+        [name.to_owned(), Behavior::about(kind).to_owned()]
+    };
     let mut worlds: Vec<_> = World::builtin_names()
         .iter()
         .map(|&name| name.to_owned())
@@ -202,6 +208,7 @@ fn scene(simulator: &Simulator) -> SceneDto {
         world: simulator.start.named.clone(),
         bounds: [xy(low), xy(high)],
         shapes: world.shapes().iter().map(shape_dto).collect(),
+        sources: source_dtos(world.sources()),
         start: xy(world.start().position),
         radii_m: [simulator.body.radius_m(), face_radius_m].map(Rounded),
         half_angle_rad: Rounded(half_angle_rad),

@@ -87,6 +87,17 @@ impl Simulator {
         }
     }
 
+    /// Where it perceived what is sought, and how strongly.
+    fn remembered(&self) -> Vec<(Xy, Rounded)> {
+        let Some(goal) = self.goal.sought() else {
+            return Vec::new();
+        };
+        let remembered = self.controller.inner().remembered(goal);
+        let remembered = remembered.into_iter();
+        let placed = |(position, strength)| (xy(self.reached(position)), Rounded(strength));
+        remembered.map(placed).collect()
+    }
+
     fn frame_from_here(&self) -> PlaceFrame {
         let heading = self.heading_it_thinks();
         let robot = self.start.setup.robot.as_ref();
@@ -122,7 +133,18 @@ impl Simulator {
     /// Tells the robot where its places are to lead it. Without places it finds its way by the goal
     /// alone.
     pub(super) fn lead(&mut self) -> Result<(), CommandRefused> {
-        let aim = if self.goal.is_touring() {
+        let sought = self.goal.sought();
+        let may_go_anywhere = self.goal.is_touring() && sought.is_some();
+        let pilot = self.controller.pilot();
+        let told = pilot.seek_sense(sought.filter(|_| !self.goal.is_touring()));
+        told.map_err(|error| CommandRefused(error.to_string()))?;
+        let aim = if may_go_anywhere {
+            Aim::Everywhere
+        } else if sought.is_some() {
+            // What it senses leads it.
+            self.sense();
+            return Ok(());
+        } else if self.goal.is_touring() {
             Aim::Frontier
         } else if let Some(place) = self.goal.position() {
             Aim::Position(self.frame.to_frame(place))
@@ -202,6 +224,7 @@ impl Simulator {
             links: places.links().map(|(one, other)| [one, other]).collect(),
             blocked: places.blocked().map(|(one, other)| [one, other]).collect(),
             frontiers: ways.collect(),
+            sensed: self.remembered(),
         })
     }
 }

@@ -7,6 +7,7 @@ use sim::episode;
 use sim::pilot::LocalController;
 
 mod places;
+mod senses;
 
 fn start(sonar: SonarModel) -> SimulatorStart {
     let config = Config::recommended();

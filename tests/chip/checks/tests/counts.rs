@@ -40,7 +40,7 @@ fn table(package: &str) -> String {
 #[test]
 fn no_call_takes_more_instructions_than_allowed() {
     let table = table("counts");
-    within_bounds(&table, 37);
+    within_bounds(&table, 40);
     let rows = rows(&table);
     for (call, mean, most) in BUDGETS {
         let row = rows.iter().find(|row| row.call.starts_with(call));

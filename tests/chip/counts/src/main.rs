@@ -15,6 +15,8 @@ mod link;
 #[cfg(target_os = "none")]
 mod maps;
 #[cfg(target_os = "none")]
+mod modality;
+#[cfg(target_os = "none")]
 mod places;
 #[cfg(target_os = "none")]
 mod points;
@@ -26,6 +28,9 @@ mod room;
 mod stopwatch;
 #[cfg(target_os = "none")]
 mod table;
+
+#[cfg(target_os = "none")]
+use firmware as _;
 
 #[cfg(not(target_os = "none"))]
 fn main() {

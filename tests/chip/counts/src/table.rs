@@ -5,7 +5,7 @@
 
 use crate::episode::CountedEpisode;
 use crate::stopwatch::{InstructionStats, Stopwatch};
-use crate::{body, link, maps, places, points, reference};
+use crate::{body, link, maps, modality, places, points, reference};
 use amp::body::HeldRing;
 use amp::config::Config;
 use amp::controller::NomadState;
@@ -36,6 +36,7 @@ fn main() -> ! {
     print_link(&watch, &episode);
     print_body(&watch, &body::episode(&watch, sensors));
     print_places(&places::count(&watch, map), &body::episode(&watch, led));
+    print_modality(&modality::records(&watch));
     hprintln!();
     hprintln!("| what | bytes |");
     hprintln!("| --- | ---: |");
@@ -166,6 +167,16 @@ fn print_places(counts: &places::PlaceCounts, body: &body::BodyCounts) {
         body.events.slice,
         79_100,
     );
+}
+
+fn print_modality(counts: &modality::ModalityCounts) {
+    row("modality: something is perceived", counts.perceive, 11_400);
+    row(
+        "modality: the same, and another is forgotten",
+        counts.full,
+        27_800,
+    );
+    row("modality: where to look for it", counts.aim, 13_400);
 }
 
 fn row(call: &str, stats: InstructionStats, allowed: u32) {

@@ -9,7 +9,9 @@ use amp::config::{Config, MAX_CONFIG};
 use amp::controller::{self, Command, Event, NomadState, Progress, StatePart, StopReason};
 use amp::goal::{Component, Goal};
 use amp::memory::{Memory, Sample};
+use amp::modality::{Modality, Search, Sought};
 use amp::parameters::Parameter;
+use amp::places::Places;
 use amp::planner::{Planner, Why, difference};
 use amp::robot::RobotSpec;
 use amp::scan::Encoding;
@@ -25,6 +27,7 @@ pub fn all() {
     memories();
     events();
     bodies();
+    modalities();
     parts();
 }
 
@@ -152,6 +155,20 @@ fn bodies() {
     let mut room = any([0; MAX_CONFIG]);
     sink(body.to_bytes(&mut room));
     sink((body, state));
+}
+
+fn modalities() {
+    let mut modality = any(Modality::<3, 256>::new());
+    let values = any([1; 3]);
+    modality.perceive(&values, displacement(), now());
+    let sought = any(Sought::Alike([1; 3]));
+    sink(modality.recall(&sought, displacement()).copied());
+    sink(modality.recall_before(&values, now()).copied());
+    let places = any(Places::<16, 256>::new());
+    let mut search = any(Search::default());
+    sink(search.aim(&modality, &sought, &places, now()));
+    modality.forget();
+    sink((modality, search));
 }
 
 fn parts() {

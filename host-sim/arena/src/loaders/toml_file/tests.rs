@@ -269,3 +269,77 @@ fn a_start_outside_the_walls_is_refused() {
         assert!(named, "{place:?} {shapes} {why}");
     }
 }
+
+const SOURCES: &str = r#"[[light]]
+position_m = [1, 0]
+brightness = 0.5
+until_s = 60
+[[light]]
+position_m = [2, 0]
+[[scent]]
+position_m = [0, 1]
+reach_m = 1.5
+[[floor]]
+center_m = [3, 1]
+size_m = [1, 2]
+angle_deg = 90
+color = "green"
+"#;
+
+#[test]
+fn what_else_can_be_perceived_is_read() {
+    let world = World::from_toml(&[GOOD, SOURCES].concat(), "w.toml").unwrap();
+    let Sources {
+        lights,
+        scents,
+        floor,
+    } = world.sources();
+    assert_eq!((lights[0].brightness, lights[0].until_s), (0.5, Some(60.0)));
+    assert_eq!((lights[1].brightness, lights[1].until_s), (1.0, None));
+    assert_eq!(
+        (scents[0].position, scents[0].reach_m),
+        (Point::new(0.0, 1.0), 1.5)
+    );
+    assert_eq!(
+        (floor[0].size, floor[0].color),
+        (Point::new(1.0, 2.0), [0.1, 0.8, 0.1])
+    );
+    assert!((floor[0].angle - core::f64::consts::FRAC_PI_2).abs() < 1e-15);
+    for (from, to, words) in [
+        (
+            "0.5",
+            "0",
+            "line 15: a light's brightness must be above 0 and at most 1, not 0",
+        ),
+        (
+            "1.5",
+            "-1",
+            "line 21: a scent's reach must lie in 0.1..=100 m, not -1",
+        ),
+        (
+            "\"green\"",
+            "\"gren\"",
+            "line 27: unknown color \"gren\", did you mean \"green\"?",
+        ),
+        (
+            "[1, 2]",
+            "[1, 0]",
+            "line 25: a patch's depth must be positive",
+        ),
+        (
+            "[0, 1]",
+            "[0, 1e9]",
+            "line 20: a coordinate must lie within",
+        ),
+        (
+            "until_s",
+            "until",
+            "light has no key \"until\", did you mean \"until_s\"?",
+        ),
+        ("color = \"green\"\n", "", "floor needs the key \"color\""),
+    ] {
+        let changed = [GOOD, &SOURCES.replacen(from, to, 1)].concat();
+        let why = error(&changed);
+        assert!(why.contains(words), "{words}: {why}");
+    }
+}

@@ -6,7 +6,7 @@ use arena::robot_model::RobotModel;
 use serde_json::Value;
 use sim::robot::{AnyRobot, Ranges};
 
-fn start(sonar: SonarModel, behavior: Behavior) -> SimulatorStart {
+pub(super) fn start(sonar: SonarModel, behavior: Behavior) -> SimulatorStart {
     let model = RobotModel::builtin("p3dx").unwrap();
     let robot = AnyRobot::new(model, Ranges::Nomad, false).unwrap();
     let plain = super::start(sonar);
@@ -33,18 +33,18 @@ fn simulator(sonar: SonarModel, tour: u32) -> Simulator {
 }
 
 /// Whether it still seeks, within a time that is long enough for all of these.
-fn seeks(simulator: &Simulator) -> bool {
+pub(super) fn seeks(simulator: &Simulator) -> bool {
     simulator.activity == SimulatorActivity::Seek && simulator.seeking.steps < 400
 }
 
 /// A part of a snapshot.
-fn part(simulator: &mut Simulator, name: &str) -> Arc<dyn PartMessage> {
+pub(super) fn part(simulator: &mut Simulator, name: &str) -> Arc<dyn PartMessage> {
     let parts = simulator.snapshot().into_parts();
     let mut found = parts.into_iter().filter(|part| part.key().0 == name);
     found.next().unwrap()
 }
 
-fn places(simulator: &mut Simulator) -> Value {
+pub(super) fn places(simulator: &mut Simulator) -> Value {
     let text = part(simulator, "places").text();
     serde_json::from_str::<Value>(&text).unwrap()["value"].take()
 }
@@ -60,31 +60,38 @@ fn error_m(simulator: &mut Simulator) -> f64 {
     Point::new(x, y).distance(Point::new(now.pose[0].0, now.pose[1].0))
 }
 
+/// A robot that the page drives goes exactly as in an episode: a tour, and a way somewhere.
+pub(super) fn assert_driven_as_in_an_episode(sonar: SonarModel, behavior: &Behavior) {
+    let setup = Setup {
+        record: true,
+        ..start(sonar, behavior.clone()).setup
+    };
+    let run = episode::run(&World::builtin("office").unwrap(), &setup, |_, _, _| {}).unwrap();
+    assert_eq!(run.report.goal_steps, 1, "it ends");
+    let recorded = run.recording.unwrap().seeking;
+    let start = start(sonar, behavior.clone());
+    let mut simulator = Simulator::new(start, ControllerPlace::Host, None).unwrap();
+    educate(&mut simulator);
+    simulator.execute(&PageCommand::Seek).unwrap();
+    let mut driven = Vec::new();
+    while seeks(&simulator) {
+        driven.extend(decide(&mut simulator, 1));
+        let _ = simulator.snapshot().into_parts();
+    }
+    let wanted: Vec<_> = recorded.iter().map(|step| step.pose.position).collect();
+    // After the tour, and the decision with which it ends. One more tells that it is there.
+    let tour = behavior.tour().unwrap() as usize;
+    let name = behavior.name();
+    assert_eq!(driven.len(), tour + 2 + wanted.len(), "{name}");
+    assert_eq!(driven[tour + 1..][..wanted.len()], wanted, "{name}");
+    let now = simulator.snapshot().now;
+    assert_eq!(now.note, Some(format!("{name} is reached")));
+}
+
 #[test]
 fn home_on_the_page_is_home_in_an_episode() {
     for sonar in [SonarModel::Ideal, SonarModel::Nomad] {
-        let behavior = Behavior::Home { tour: 150 };
-        let setup = Setup {
-            record: true,
-            ..start(sonar, behavior).setup
-        };
-        let run = episode::run(&World::builtin("office").unwrap(), &setup, |_, _, _| {}).unwrap();
-        assert_eq!(run.report.success, 1.0);
-        let recorded = run.recording.unwrap().seeking;
-        let mut simulator = simulator(sonar, 150);
-        educate(&mut simulator);
-        simulator.execute(&PageCommand::Seek).unwrap();
-        let mut driven = Vec::new();
-        while seeks(&simulator) {
-            driven.extend(decide(&mut simulator, 1));
-            let _ = simulator.snapshot().into_parts();
-        }
-        let wanted: Vec<_> = recorded.iter().map(|step| step.pose.position).collect();
-        // After the tour, and the decision with which it ends. One more tells that it is there.
-        assert_eq!(driven.len(), 152 + wanted.len(), "{sonar:?}");
-        assert_eq!(driven[151..][..wanted.len()], wanted, "{sonar:?}");
-        let now = simulator.snapshot().now;
-        assert_eq!(now.note.as_deref(), Some("home is reached"));
+        assert_driven_as_in_an_episode(sonar, &Behavior::Home { tour: 150 });
     }
 }
 

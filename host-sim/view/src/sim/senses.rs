@@ -1,0 +1,103 @@
+//! What can be perceived beside ranges: the robot's sensors, and sources that can be moved.
+
+use super::Simulator;
+use crate::dto::xy;
+use crate::snapshot::{Rounded, SensedDto, SourceDto};
+use crate::source::CommandRefused;
+use arena::noise::Noise;
+use arena::sources::{LAMP_M, Sources};
+use arena::world::{Point, Shape};
+use sim::episode::{Seeds, with_missing_sources};
+use sim::pilot::Pilot as _;
+
+impl Simulator {
+    /// The robot senses what is where it is.
+    pub(super) fn sense(&mut self) {
+        if self.body.world().sources().is_empty() {
+            return;
+        }
+        let readings = self.body.read();
+        self.controller.sense(self.body.now(), &readings);
+    }
+
+    /// Adds what the first goal seeks.
+    pub(super) fn begin_sources(&mut self) {
+        if let Err(CommandRefused(why)) = self.add_missing_sources() {
+            self.fail(why);
+        }
+    }
+
+    /// Adds what the goal seeks, if the world has none.
+    pub(super) fn add_missing_sources(&mut self) -> Result<(), CommandRefused> {
+        let Some(behavior) = self.goal.as_behavior() else {
+            return Ok(());
+        };
+        let noise = Noise::new(Seeds::of(self.start.setup.seed).sources);
+        let radius_m = self.body.radius_m();
+        if let Some(world) = with_missing_sources(self.body.world(), behavior, radius_m, noise)? {
+            self.body.set_world(world);
+            self.cache.scene = None;
+        }
+        Ok(())
+    }
+
+    /// Moves a source, counted as in [`source_dtos`].
+    pub(super) fn move_source(&mut self, index: usize, to: Point) -> Result<(), CommandRefused> {
+        let world = self.body.world();
+        let mut sources = world.sources().clone();
+        let floor = sources.floor.iter_mut().map(|patch| &mut patch.center);
+        let scents = sources.scents.iter_mut().map(|scent| &mut scent.position);
+        let lights = sources.lights.iter_mut().map(|light| &mut light.position);
+        match floor.chain(scents).chain(lights).nth(index) {
+            Some(place) => *place = to,
+            None => return Err(format!("there is no source {index}").into()),
+        }
+        let world = world.clone().with_sources(sources)?;
+        self.body.set_world(world);
+        self.cache.scene = None;
+        Ok(())
+    }
+
+    /// What can be perceived where the robot is, if there is anything.
+    pub(super) fn sensed(&self) -> Option<SensedDto> {
+        if self.body.world().sources().is_empty() {
+            return None;
+        }
+        let sensed = self.body.sensed();
+        Some(SensedDto {
+            scent: Rounded(sensed.scent),
+            light: Rounded(sensed.light),
+            floor: hex(sensed.floor),
+        })
+    }
+}
+
+/// The sources of a world: colored floor, scents, lamps.
+pub(super) fn source_dtos(sources: &Sources) -> Vec<SourceDto> {
+    let floor = sources.floor.iter().map(|patch| SourceDto {
+        kind: "floor",
+        at: xy(patch.center),
+        reach_m: Rounded(0.0),
+        outline: Shape::box_corners(patch.center, patch.size, patch.angle)
+            .map(xy)
+            .to_vec(),
+        color: hex(patch.color),
+    });
+    let point = |kind, at, reach_m, color: &str| SourceDto {
+        kind,
+        at: xy(at),
+        reach_m: Rounded(reach_m),
+        outline: Vec::new(),
+        color: color.to_owned(),
+    };
+    let scents = sources.scents.iter();
+    let scents = scents.map(|scent| point("scent", scent.position, scent.reach_m, "#009e73"));
+    let lights = sources.lights.iter();
+    let lights = lights.map(|light| point("light", light.position, LAMP_M, "#f0e442"));
+    floor.chain(scents).chain(lights).collect()
+}
+
+fn hex(color: [f64; 3]) -> String {
+    let [red, green, blue] = color.map(|share| libm::rint(255.0 * share) as u8);
+    format!("#{red:02x}{green:02x}{blue:02x}")
+}

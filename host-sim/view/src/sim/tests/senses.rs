@@ -1,0 +1,81 @@
+//! What can be perceived beside ranges.
+
+use super::places::{assert_driven_as_in_an_episode, part, places, start};
+use super::*;
+use serde_json::Value;
+
+fn simulator(sonar: SonarModel, name: &str, steps: u32) -> Simulator {
+    let mut simulator = Simulator::new(
+        start(sonar, behavior(name, steps)),
+        ControllerPlace::Host,
+        None,
+    )
+    .unwrap();
+    educate(&mut simulator);
+    simulator
+}
+
+fn behavior(name: &str, steps: u32) -> Behavior {
+    match name.parse().unwrap() {
+        Behavior::Sense { goal, .. } => Behavior::Sense { goal, tour: steps },
+        other => other,
+    }
+}
+
+#[test]
+fn what_is_sought_on_the_page_is_found_as_in_an_episode() {
+    for (sonar, name) in [
+        (SonarModel::Ideal, "scent:strongest"),
+        (SonarModel::Nomad, "light:strongest"),
+        (SonarModel::Ideal, "floor:red"),
+    ] {
+        assert_driven_as_in_an_episode(sonar, &behavior(name, 100));
+    }
+}
+
+#[test]
+fn a_source_is_shown_moved_and_remembered() {
+    let mut simulator = simulator(SonarModel::Ideal, "scent:strongest", 300);
+    let source = |simulator: &mut Simulator| {
+        let text = part(simulator, "scene").text();
+        let scene = serde_json::from_str::<Value>(&text).unwrap()["value"].take();
+        scene["sources"].clone()
+    };
+    let first = source(&mut simulator);
+    assert_eq!(
+        (first.as_array().unwrap().len(), &first[0]["kind"]),
+        (1, &"scent".into())
+    );
+    let here = simulator.body.pose().position;
+    let to_here = PageCommand::MoveSource {
+        source: 0,
+        x: here.x + 0.1,
+        y: here.y,
+    };
+    simulator.execute(&to_here).unwrap();
+    assert_ne!(source(&mut simulator)[0]["at"], first[0]["at"]);
+    let sensed = simulator.snapshot().now.sensed.unwrap();
+    assert!(
+        (sensed.scent.0 - libm::exp(-0.05)).abs() < 0.01,
+        "{sensed:?}"
+    );
+    simulator.execute(&PageCommand::Seek).unwrap();
+    decide(&mut simulator, 60);
+    let remembered = places(&mut simulator)["sensed"].take();
+    assert!(remembered.as_array().unwrap().len() > 10, "{remembered}");
+    let second = PageCommand::MoveSource {
+        source: 1,
+        x: 0.0,
+        y: 0.0,
+    };
+    let CommandRefused(why) = simulator.execute(&second).unwrap_err();
+    assert_eq!(why, "there is no source 1");
+    // Another goal has other memories, and its own source.
+    let red = PageCommand::Behavior {
+        name: "floor:red".to_owned(),
+        tour: Some(0),
+    };
+    simulator.execute(&red).unwrap();
+    let kinds = source(&mut simulator);
+    assert_eq!([&kinds[0]["kind"], &kinds[1]["kind"]], ["floor", "scent"]);
+}
