@@ -206,9 +206,10 @@ fn legend(svg: &mut Svg, view: &SceneView, recording: &Recording) {
 /// Legend entries of exploration, obstacles and the situation.
 fn surroundings(legend: &mut Legend, svg: &mut Svg, recording: &Recording) {
     let exploration = &recording.exploration;
-    // Before it goes somewhere the robot drives around.
-    let is_tour = recording.behavior == "home"
-        || recording.behavior.contains(':') && !recording.behavior.starts_with("seek:");
+    // Before it goes somewhere the robot drives around; not in a chain.
+    let behavior = &recording.behavior;
+    let seeks = behavior.contains(':') && !behavior.starts_with("seek:");
+    let is_tour = behavior == "home" || seeks && !behavior.contains(',');
     let (phase, step, when) = if is_tour {
         ("tour", "step", "on the tour")
     } else {

@@ -39,6 +39,8 @@ pub(super) struct Measure {
     pub reached: u32,
     /// Shortest way to the nest when the robot was told to go there, m.
     pub shortest_m: Option<f64>,
+    /// Where what is sought in another modality is.
+    pub sought: Option<Point>,
     /// At the end of a way the robot was at what was sought.
     pub is_found: bool,
 }
@@ -58,6 +60,7 @@ impl Measure {
             passed: [0; 2],
             reached: 0,
             shortest_m: None,
+            sought: None,
             is_found: false,
         }
     }
@@ -173,10 +176,11 @@ impl Measure {
         }
     }
 
-    /// A body of this radius is told to go to the nest from here.
+    /// A body of this radius is told to go from here to what is sought, or to the nest.
     pub(super) fn begin_way(&mut self, world: &World, from: Point, radius_m: f64) {
         // Worlds too large to be searched have no shortest way.
-        let path = route(world, from, self.nest, radius_m).ok().flatten();
+        let to = self.sought.unwrap_or(self.nest);
+        let path = route(world, from, to, radius_m).ok().flatten();
         self.shortest_m = path.map(|path| route::length(&path));
     }
 

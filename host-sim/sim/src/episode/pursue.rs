@@ -82,7 +82,7 @@ impl EpisodeRunner<'_> {
             (self.behavior, self.part) = (part.clone(), number);
             let has_way = part.tour().is_some();
             if let Behavior::Sense { goal, .. } = part {
-                self.measure.nest = self.sought(*goal);
+                self.measure.sought = Some(self.sought(*goal));
             }
             if has_way && alone {
                 let (from, radius_m) = (self.body.pose().position, self.body.radius_m());

@@ -118,7 +118,8 @@ impl EpisodeRunner<'_> {
             return named_color(name).is_ok_and(|color| color == floor);
         }
         if goal.wanted == Wanted::Before {
-            return self.measure.nest.distance(here) <= SOURCE_RADIUS_M;
+            let sought = self.measure.sought;
+            return sought.is_some_and(|place| place.distance(here) <= SOURCE_RADIUS_M);
         }
         let candidates = self.candidates(goal);
         candidates
