@@ -222,7 +222,8 @@ impl<const COMPONENTS: usize, const RECORDS: usize> Modality<COMPONENTS, RECORDS
             (count, now.after(record.last))
         };
         let least = self.records.iter().enumerate().max_by_key(worth);
-        if let Some((index, _)) = least {
+        let least = least.map(|(index, _)| index);
+        if let Some(index) = least.filter(|index| *index < self.records.len()) {
             self.records.swap_remove(index);
         }
     }
