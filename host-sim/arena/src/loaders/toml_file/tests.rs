@@ -329,12 +329,12 @@ fn what_else_can_be_perceived_is_read() {
         (
             "[0, 1]",
             "[0, 1e9]",
-            "line 20: a coordinate must lie within",
+            "line 21: a coordinate must lie within",
         ),
         (
             "until_s",
-            "until",
-            "light has no key \"until\", did you mean \"until_s\"?",
+            "untils",
+            "light has no key \"untils\", did you mean \"until_s\"?",
         ),
         ("color = \"green\"\n", "", "floor needs the key \"color\""),
     ] {
