@@ -58,7 +58,7 @@ pub struct Record<const COMPONENTS: usize> {
     /// When last.
     pub last: Millis,
     /// Neuron of the map that stood for it when it was recorded.
-    pub neuron: u8,
+    neuron: u8,
     /// Something else is perceived there now.
     pub is_past: bool,
 }
@@ -82,9 +82,7 @@ impl<const COMPONENTS: usize> Sought<COMPONENTS> {
             Self::Alike(wanted) => difference(wanted, values).saturating_sub(ALIKE),
         }
     }
-}
 
-impl<const COMPONENTS: usize> Sought<COMPONENTS> {
     /// Whether these values show anything of it.
     fn is_found_in(&self, values: &SituationBytes<COMPONENTS>) -> bool {
         let most = match self {
@@ -137,12 +135,6 @@ impl<const COMPONENTS: usize, const RECORDS: usize> Modality<COMPONENTS, RECORDS
     #[must_use]
     pub fn records(&self) -> &[Record<COMPONENTS>] {
         &self.records
-    }
-
-    /// The map of what was perceived.
-    #[must_use]
-    pub const fn map(&self) -> &Som<NEURONS, COMPONENTS> {
-        &self.map
     }
 
     /// The robot perceives this here and now. One record stands for all positions that are nearer

@@ -89,6 +89,13 @@ pub fn named_color(name: &str) -> Result<[f64; 3], BadInput> {
     )
 }
 
+/// A color as `#rrggbb`.
+#[must_use]
+pub fn hex(color: [f64; 3]) -> String {
+    let [red, green, blue] = color.map(|share| libm::rint(255.0 * share) as u8);
+    format!("#{red:02x}{green:02x}{blue:02x}")
+}
+
 /// What can be perceived at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensed {

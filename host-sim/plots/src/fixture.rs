@@ -100,6 +100,7 @@ pub fn recording() -> Recording {
         goal_place: None,
         robot_radius_m: RADIUS_M,
         exploration,
+        has_toured: false,
         seeking,
         situation_map,
         change_map,

@@ -206,11 +206,7 @@ fn legend(svg: &mut Svg, view: &SceneView, recording: &Recording) {
 /// Legend entries of exploration, obstacles and the situation.
 fn surroundings(legend: &mut Legend, svg: &mut Svg, recording: &Recording) {
     let exploration = &recording.exploration;
-    // Before it goes somewhere the robot drives around; not in a chain.
-    let behavior = &recording.behavior;
-    let seeks = behavior.contains(':') && !behavior.starts_with("seek:");
-    let is_tour = behavior == "home" || seeks && !behavior.contains(',');
-    let (phase, step, when) = if is_tour {
+    let (phase, step, when) = if recording.has_toured {
         ("tour", "step", "on the tour")
     } else {
         ("exploration", "random move", "while exploring")
@@ -256,6 +252,17 @@ mod tests {
         let before = path(&recording).matches(VERMILLION).count();
         recording.seeking[3].touched = !recording.seeking[3].touched;
         assert_ne!(path(&recording).matches(VERMILLION).count(), before);
+    }
+
+    #[test]
+    fn a_tour_is_no_random_moves() {
+        let moves = recording();
+        let tour = Recording {
+            has_toured: true,
+            ..moves.clone()
+        };
+        assert!(path(&moves).contains("random moves") && !path(&moves).contains("tour:"));
+        assert!(path(&tour).contains("tour:") && !path(&tour).contains("random moves"));
     }
 
     #[test]

@@ -173,13 +173,19 @@ impl Behavior {
         })
     }
 
-    /// Steps of driving around before a way to somewhere, of a behavior that has both.
+    /// Steps of driving around before the behavior, of one that may begin so.
     #[must_use]
     pub fn tour(&self) -> Option<u32> {
         match self {
-            Self::Home { tour } | Self::Sense { tour, .. } => Some(*tour),
+            Self::Nest { tour } | Self::Home { tour } | Self::Sense { tour, .. } => Some(*tour),
             _ => None,
         }
+    }
+
+    /// It ends where the robot thinks that it is there, also if it is alone.
+    #[must_use]
+    pub fn has_end(&self) -> bool {
+        matches!(self, Self::Home { .. } | Self::Sense { .. })
     }
 
     /// What is sought in other modalities.

@@ -110,8 +110,10 @@ pub struct Recording {
     pub goal_place: Option<Point>,
     /// Radius of the collision disc, meters.
     pub robot_radius_m: f64,
-    /// The random moves; before the behavior `home` the steps of the tour.
+    /// The random moves; those of the tour if there was one.
     pub exploration: Vec<Step>,
+    /// The robot drove around before the behavior.
+    pub has_toured: bool,
     /// The decisions taken while seeking the goal.
     pub seeking: Vec<Step>,
     /// The situation map at the end.

@@ -10,6 +10,8 @@ use std::str::FromStr;
 
 /// Records of each modality.
 const RECORDS: usize = 256;
+/// Of what has one component only.
+const STRONGEST: Sought<1> = Sought::Most(0);
 /// Readings of sensors that are not exact deviate by this share: standard deviation.
 pub const NOISE: f64 = 0.05;
 
@@ -39,22 +41,15 @@ impl Sense {
 
 /// A goal in one of these modalities.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SenseGoal {
-    /// The modality.
-    pub sense: Sense,
-    /// What of it is looked for.
-    pub wanted: Wanted,
-}
-
-/// What is looked for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Wanted {
-    /// Where it is strongest.
-    Strongest,
-    /// A color by its name.
-    Color(&'static str),
-    /// Where the robot was before it became as it is now.
-    Before,
+pub enum SenseGoal {
+    /// Where a scent is strongest.
+    Scent,
+    /// Where it is brightest.
+    Light,
+    /// Where the floor has a color, by its name.
+    Floor(&'static str),
+    /// Where the robot was before this became as it is now.
+    Before(Sense),
 }
 
 impl SenseGoal {
@@ -69,12 +64,12 @@ impl SenseGoal {
     /// The name on the command line.
     #[must_use]
     pub fn name(&self) -> String {
-        let wanted = match self.wanted {
-            Wanted::Strongest => "strongest",
-            Wanted::Color(name) => name,
-            Wanted::Before => "before",
-        };
-        format!("{}:{wanted}", self.sense.name())
+        match self {
+            Self::Scent => "scent:strongest".to_owned(),
+            Self::Light => "light:strongest".to_owned(),
+            Self::Floor(color) => format!("floor:{color}"),
+            Self::Before(sense) => format!("{}:before", sense.name()),
+        }
     }
 
     /// Whether the name is that of a goal in such a modality, right or wrong.
@@ -96,24 +91,21 @@ impl FromStr for SenseGoal {
             return Err(BadInput::unknown("sense", sense, &known));
         };
         let color = COLORS.iter().find(|(known, _)| *known == wanted);
-        let wanted = match (sense, wanted, color) {
-            (_, "before", _) => Wanted::Before,
-            (Sense::Floor, _, Some((color, _))) => Wanted::Color(color),
-            (Sense::Scent | Sense::Light, "strongest", _) => Wanted::Strongest,
+        match (sense, wanted, color) {
+            (sense, "before", _) => Ok(Self::Before(*sense)),
+            (Sense::Scent, "strongest", _) => Ok(Self::Scent),
+            (Sense::Light, "strongest", _) => Ok(Self::Light),
+            (Sense::Floor, _, Some((color, _))) => Ok(Self::Floor(color)),
             (Sense::Floor, ..) => {
-                let known: Vec<_> = COLORS.iter().map(|(known, _)| *known).collect();
-                let known = [known, vec!["before"]].concat();
-                return Err(BadInput::unknown("goal floor", wanted, &known));
+                let colors = COLORS.iter().map(|(known, _)| *known);
+                let known: Vec<_> = colors.chain(["before"]).collect();
+                Err(BadInput::unknown("goal floor", wanted, &known))
             }
             (Sense::Scent | Sense::Light, ..) => {
                 let what = format!("goal {}", sense.name());
-                return Err(BadInput::unknown(&what, wanted, &["strongest", "before"]));
+                Err(BadInput::unknown(&what, wanted, &["strongest", "before"]))
             }
-        };
-        Ok(Self {
-            sense: *sense,
-            wanted,
-        })
+        }
     }
 }
 
@@ -176,13 +168,11 @@ impl Senses {
         self.goal = goal;
         self.search = Search::default();
         self.before = match (goal, &self.latest) {
-            (Some(goal), Some((readings, now))) if goal.wanted == Wanted::Before => {
-                match goal.sense {
-                    Sense::Scent => before(&self.scent, &readings.scent, *now),
-                    Sense::Light => before(&self.light, &readings.light, *now),
-                    Sense::Floor => before(&self.floor, &readings.floor, *now),
-                }
-            }
+            (Some(SenseGoal::Before(sense)), Some((readings, now))) => match sense {
+                Sense::Scent => before(&self.scent, &readings.scent, *now),
+                Sense::Light => before(&self.light, &readings.light, *now),
+                Sense::Floor => before(&self.floor, &readings.floor, *now),
+            },
             _ => None,
         };
     }
@@ -190,11 +180,11 @@ impl Senses {
     /// Where what is sought was perceived, and how strongly, 0 … 1; nothing for what was before.
     #[must_use]
     pub fn remembered(&self, goal: SenseGoal) -> Vec<(Displacement, f64)> {
-        match (goal.sense, goal.wanted) {
-            (_, Wanted::Before) => Vec::new(),
-            (Sense::Scent, _) => strengths(&self.scent, &Sought::Most(0)),
-            (Sense::Light, _) => strengths(&self.light, &Sought::Most(0)),
-            (Sense::Floor, wanted) => strengths(&self.floor, &colored(wanted)),
+        match goal {
+            SenseGoal::Scent => strengths(&self.scent, &STRONGEST),
+            SenseGoal::Light => strengths(&self.light, &STRONGEST),
+            SenseGoal::Floor(color) => strengths(&self.floor, &colored(color)),
+            SenseGoal::Before(_) => Vec::new(),
         }
     }
 
@@ -205,23 +195,18 @@ impl Senses {
         places: &Places<SECTORS, PLACES>,
         now: Millis,
     ) -> Option<Aim> {
-        let SenseGoal { sense, wanted } = self.goal?;
-        let most = Sought::Most(0);
-        Some(match (sense, wanted) {
-            (_, Wanted::Before) => self.before.map_or(Aim::Everywhere, Aim::Position),
-            (Sense::Scent, _) => self.search.aim(&self.scent, &most, places, now),
-            (Sense::Light, _) => self.search.aim(&self.light, &most, places, now),
-            (Sense::Floor, wanted) => self.search.aim(&self.floor, &colored(wanted), places, now),
+        let search = &mut self.search;
+        Some(match self.goal? {
+            SenseGoal::Scent => search.aim(&self.scent, &STRONGEST, places, now),
+            SenseGoal::Light => search.aim(&self.light, &STRONGEST, places, now),
+            SenseGoal::Floor(color) => search.aim(&self.floor, &colored(color), places, now),
+            SenseGoal::Before(_) => self.before.map_or(Aim::Everywhere, Aim::Position),
         })
     }
 }
 
-/// The color of the floor that is wanted.
-fn colored(wanted: Wanted) -> Sought<3> {
-    let name = match wanted {
-        Wanted::Color(name) => name,
-        Wanted::Strongest | Wanted::Before => "white",
-    };
+/// The color of the floor with this name.
+fn colored(name: &str) -> Sought<3> {
     let color = sources::named_color(name).unwrap_or_default();
     Sought::Alike(color.map(|share| libm::rint(share * f64::from(MAX_VALUE)) as u8))
 }

@@ -119,7 +119,7 @@ impl ActiveGoal {
             _ if self.is_touring => self.tour_steps().is_none_or(|all| steps >= all),
             GoalKind::Position(_) => goal_steps > 0,
             GoalKind::Behavior(behavior) => {
-                let ends = behavior.parts().len() > 1 || behavior.tour().is_some();
+                let ends = behavior.parts().len() > 1 || behavior.has_end();
                 let part = behavior.parts().get(self.part);
                 ends && part.is_some_and(|part| is_reached(part, steps, goal_steps))
             }
@@ -129,7 +129,8 @@ impl ActiveGoal {
 
     /// Steps of driving around before the way home. In a chain home has none.
     fn tour_steps(&self) -> Option<u32> {
-        self.as_behavior()?.tour()
+        let behavior = self.as_behavior().filter(|behavior| behavior.has_end());
+        behavior?.tour()
     }
 
     /// Steps of driving around before the way home, at this count of steps: driven, and in all.

@@ -26,8 +26,8 @@ pub struct SourceDto {
     pub reach_m: Rounded,
     /// The corners of colored floor.
     pub outline: Vec<Xy>,
-    /// Its color, `#rrggbb`.
-    pub color: String,
+    /// Color of the floor, `#rrggbb`.
+    pub color: Option<String>,
 }
 
 /// What can be perceived where the robot is, 0 to 1.

@@ -115,11 +115,11 @@ fn the_map_orders_what_was_perceived() {
         let value = step.wrapping_mul(37) % 64 * 4;
         scent.perceive(&[value], at(400 * i16::from(step), 0), s(step.into()));
     }
-    let neuron = |value: u8| scent.map().bmu(&memory::from_bytes(&[value]).0, Mask::ALL);
+    let neuron = |value: u8| scent.map.bmu(&memory::from_bytes(&[value]).0, Mask::ALL);
     // Each end has a neuron of its own.
     assert_ne!(neuron(0), neuron(252));
     let worst = (0..=252).map(|value: u8| {
-        let code = scent.map().code_vector(neuron(value))[0].to_num::<f64>();
+        let code = scent.map.code_vector(neuron(value))[0].to_num::<f64>();
         (code - f64::from(value) / 254.0).abs()
     });
     let worst = worst.fold(0.0, f64::max);

@@ -44,7 +44,7 @@ pub(super) enum Stage {
     FreeWays(u16),
     /// The ends of those.
     Frontiers,
-    /// Ways of a place that are short: of this one, and of so many more.
+    /// Short open ways of the next place that it knows, and then of so many more.
     Reopen(u8),
     /// What the robot is to do; a way that it knows needs no wave.
     Purpose,

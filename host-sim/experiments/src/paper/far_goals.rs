@@ -12,7 +12,7 @@ use sim::behavior::{Behavior, TOUR_STEPS};
 use sim::episode::{EpisodeReport, Setup, run};
 use sim::error::EpisodeError;
 use sim::robot::{AnyRobot, Ranges};
-use sim::senses::{Sense, SenseGoal, Wanted};
+use sim::senses::{Sense, SenseGoal};
 
 /// Reports by world. The Nomad's ring is read through points.
 pub struct FarGoals {
@@ -69,15 +69,15 @@ pub(super) fn measure(
         alone: drives(Behavior::Home { tour }, false)?,
         carried: drives(Behavior::Nest { tour }, true)?,
         new: drives(Behavior::Nest { tour: 0 }, true)?,
-        scent: drives(sought(Sense::Scent, Wanted::Strongest), true)?,
-        dark: drives(sought(Sense::Light, Wanted::Before), true)?,
+        scent: drives(sought(SenseGoal::Scent), true)?,
+        dark: drives(sought(SenseGoal::Before(Sense::Light)), true)?,
     })
 }
 
 /// After a tour.
-fn sought(sense: Sense, wanted: Wanted) -> Behavior {
+fn sought(goal: SenseGoal) -> Behavior {
     Behavior::Sense {
-        goal: SenseGoal { sense, wanted },
+        goal,
         tour: TOUR_STEPS,
     }
 }

@@ -1,6 +1,6 @@
 //! Draws the world: meters to pixels, obstacles, scale bar, positions of an episode.
 
-use arena::sources::Sources;
+use arena::sources::{LAMP_M, Sources, hex};
 use arena::world::{Point, Shape, World};
 use sim::recording::Step;
 
@@ -59,16 +59,14 @@ const RINGS: [f64; 3] = [0.25, 0.5, 1.0];
 /// Colored floor, scents and lamps.
 fn sources(svg: &mut Svg, view: &SceneView, sources: &Sources) {
     for patch in &sources.floor {
-        let [red, green, blue] = patch.color.map(|share| (255.0 * share) as u8);
         let corners = Shape::box_corners(patch.center, patch.size, patch.angle);
-        let color = format!("#{red:02x}{green:02x}{blue:02x}");
-        let style = format!(r#"{} fill-opacity="0.45""#, fill(&color));
+        let style = format!(r#"{} fill-opacity="0.45""#, fill(&hex(patch.color)));
         svg.polygon(&corners.map(|corner| view.at(corner)), &style);
     }
     let scents = sources.scents.iter();
     let scents = scents.map(|scent| (scent.position, scent.reach_m, GREEN, GREEN));
     let lamps = sources.lights.iter();
-    let lamps = lamps.map(|lamp| (lamp.position, 1.0, YELLOW, ORANGE));
+    let lamps = lamps.map(|lamp| (lamp.position, LAMP_M, YELLOW, ORANGE));
     let area = view.area();
     for (position, reach_m, inside, rim) in scents.chain(lamps) {
         let at = view.at(position);

@@ -98,8 +98,8 @@ pub fn run_observed<'w>(
 ) -> Result<Episode, EpisodeError> {
     let (mut runner, exploration) = explored(world, setup, controller, observer, &mut progress)?;
     runner.nest_known = nest_known(controller.knowledge()?);
-    if let Behavior::Nest { tour } = setup.behavior {
-        runner.tour(controller, setup, tour, |_| {})?;
+    if matches!(setup.behavior, Behavior::Nest { .. }) {
+        runner.tour(controller, setup, |_| {})?;
     }
     runner.set_scene(setup);
     runner.pursue(controller, setup, |done| {

@@ -3,7 +3,7 @@
 
 use super::metrics::Metrics;
 use crate::behavior::{Behavior, WALL_RANGE_M};
-use crate::senses::{Sense, Wanted};
+use crate::senses::SenseGoal;
 use arena::route::{self, route};
 use arena::sonar::FACE_RADIUS_M;
 use arena::world::{ConeShape, Point, Shape, World};
@@ -37,7 +37,7 @@ pub(super) struct Measure {
     passed: [u32; 2],
     /// Number of goals of a chain that were reached.
     pub reached: u32,
-    /// Shortest way to the nest when the robot was told to go there, m.
+    /// Shortest way to where the robot was told to go, at that time, m.
     pub shortest_m: Option<f64>,
     /// Where what is sought in another modality is.
     pub sought: Option<Point>,
@@ -151,10 +151,12 @@ impl Measure {
                 (self.is_home(), "1 = within 0.3 m of the nest at the end")
             }
             Behavior::Sense { goal, .. } => {
-                let unit = match (goal.sense, goal.wanted) {
-                    (_, Wanted::Before) => "1 = within 0.6 m of where it was before, at the end",
-                    (Sense::Floor, _) => "1 = on floor of that color at the end",
-                    _ => "1 = within 0.6 m of the source at the end",
+                let unit = match goal {
+                    SenseGoal::Scent | SenseGoal::Light => {
+                        "1 = within 0.6 m of the source at the end"
+                    }
+                    SenseGoal::Floor(_) => "1 = on floor of that color at the end",
+                    SenseGoal::Before(_) => "1 = within 0.6 m of where it was before, at the end",
                 };
                 (f64::from(u8::from(self.is_found)), unit)
             }

@@ -73,18 +73,18 @@ impl EpisodeRunner<'_> {
         setup: &Setup,
         mut progress: impl FnMut(u32),
     ) -> Result<(), EpisodeError> {
-        if let Some(tour) = setup.behavior.tour() {
-            self.tour(pilot, setup, tour, &mut progress)?;
+        if setup.behavior.has_end() {
+            self.tour(pilot, setup, &mut progress)?;
         }
         let parts = setup.behavior.parts();
         let alone = parts.len() == 1;
         for (number, part) in parts.iter().enumerate() {
             (self.behavior, self.part) = (part.clone(), number);
-            let has_way = part.tour().is_some();
+            let has_end = part.has_end();
             if let Behavior::Sense { goal, .. } = part {
                 self.measure.sought = Some(self.sought(*goal));
             }
-            if has_way && alone {
+            if has_end && alone {
                 let (from, radius_m) = (self.body.pose().position, self.body.radius_m());
                 self.measure.begin_way(self.world, from, radius_m);
             }
@@ -105,7 +105,7 @@ impl EpisodeRunner<'_> {
             let begun = self.metrics.clone();
             // A single behavior uses all steps; in a chain each decision may be the last.
             let is_over = |now: &Metrics| {
-                let ends = !alone || has_way;
+                let ends = !alone || has_end;
                 now.steps >= setup.steps || ends && is_reached(part, &begun, now)
             };
             self.drive(pilot, is_over, &mut progress)?;
@@ -123,24 +123,23 @@ impl EpisodeRunner<'_> {
         Ok(())
     }
 
-    /// Drives around for so many steps to where it has not been.
+    /// Drives around, to where it has not been, if the behavior begins so.
     pub(super) fn tour(
         &mut self,
         pilot: &mut impl Pilot,
         setup: &Setup,
-        steps: u32,
         mut progress: impl FnMut(u32),
     ) -> Result<(), EpisodeError> {
+        let steps = setup.behavior.tour().unwrap_or(0);
         if steps == 0 {
             return Ok(());
         }
         // For what is sought it may have to go anywhere; home is by the ways that it knows.
-        let seeks = setup.behavior.sense_goals().next().is_some();
-        pilot.lead_to(Some(if seeks {
-            Aim::Everywhere
-        } else {
-            Aim::Frontier
-        }))?;
+        let aim = match setup.behavior {
+            Behavior::Sense { .. } => Aim::Everywhere,
+            _ => Aim::Frontier,
+        };
+        pilot.lead_to(Some(aim))?;
         self.command(pilot, Command::Seek(Goal::avoiding(&setup.config)))?;
         self.drive(pilot, |now| now.steps >= steps, &mut progress)?;
         self.next_phase(self.world);

@@ -3,7 +3,8 @@
 use super::drive::EpisodeRunner;
 use super::places;
 use crate::behavior::Behavior;
-use crate::senses::{Sense, SenseGoal, Wanted};
+use crate::pilot::Pilot;
+use crate::senses::{Sense, SenseGoal};
 use arena::noise::Noise;
 use arena::sources::{FloorPatch, Light, SCENT_REACH_M, Scent, Sensed, named_color};
 use arena::world::{Point, World};
@@ -30,17 +31,21 @@ pub fn with_missing_sources(
     let mut sources = world.sources().clone();
     for goal in behavior.sense_goals() {
         let mut place = || places::elsewhere(world, radius_m, world.start().position, &mut noise);
-        match (goal.sense, goal.wanted) {
-            (Sense::Scent, _) if sources.scents.is_empty() => sources.scents.push(Scent {
-                position: place(),
-                reach_m: SCENT_REACH_M,
-            }),
-            (Sense::Light, _) if sources.lights.is_empty() => sources.lights.push(Light {
-                position: place(),
-                brightness: 1.0,
-                until_s: None,
-            }),
-            (Sense::Floor, Wanted::Color(name)) => {
+        match goal {
+            SenseGoal::Scent | SenseGoal::Before(Sense::Scent) if sources.scents.is_empty() => {
+                sources.scents.push(Scent {
+                    position: place(),
+                    reach_m: SCENT_REACH_M,
+                });
+            }
+            SenseGoal::Light | SenseGoal::Before(Sense::Light) if sources.lights.is_empty() => {
+                sources.lights.push(Light {
+                    position: place(),
+                    brightness: 1.0,
+                    until_s: None,
+                });
+            }
+            SenseGoal::Floor(name) => {
                 let color = named_color(name)?;
                 if !sources.floor.iter().any(|patch| patch.color == color) {
                     sources.floor.push(FloorPatch {
@@ -74,22 +79,21 @@ impl EpisodeRunner<'_> {
 
     fn candidates(&self, goal: SenseGoal) -> Vec<Point> {
         let sources = self.body.world().sources();
-        match (goal.sense, goal.wanted) {
-            (sense, Wanted::Before) => self.before(sense).into_iter().collect(),
-            (Sense::Scent, _) => sources.scents.iter().map(|scent| scent.position).collect(),
-            (Sense::Light, _) => {
+        match goal {
+            SenseGoal::Scent => sources.scents.iter().map(|scent| scent.position).collect(),
+            SenseGoal::Light => {
                 let lights = || sources.lights.iter();
                 let most = lights().map(|light| light.brightness).fold(0.0, f64::max);
                 let brightest = lights().filter(|light| light.brightness >= most);
                 brightest.map(|light| light.position).collect()
             }
-            (Sense::Floor, Wanted::Color(name)) => {
+            SenseGoal::Floor(name) => {
+                let color = named_color(name).ok();
                 let patches = sources.floor.iter();
-                let colored = patches
-                    .filter(|patch| named_color(name).is_ok_and(|color| color == patch.color));
+                let colored = patches.filter(|patch| Some(patch.color) == color);
                 colored.map(|patch| patch.center).collect()
             }
-            (Sense::Floor, Wanted::Strongest) => Vec::new(),
+            SenseGoal::Before(sense) => self.before(sense).into_iter().collect(),
         }
     }
 
@@ -113,22 +117,18 @@ impl EpisodeRunner<'_> {
     /// Whether the robot is at what is sought.
     pub(super) fn is_at(&self, goal: SenseGoal) -> bool {
         let here = self.body.pose().position;
-        if let (Sense::Floor, Wanted::Color(name)) = (goal.sense, goal.wanted) {
-            let floor = self.body.sensed().floor;
-            return named_color(name).is_ok_and(|color| color == floor);
+        let is_near = |place: &Point| place.distance(here) <= SOURCE_RADIUS_M;
+        match goal {
+            SenseGoal::Scent | SenseGoal::Light => self.candidates(goal).iter().any(is_near),
+            SenseGoal::Floor(name) => {
+                named_color(name).is_ok_and(|color| color == self.body.sensed().floor)
+            }
+            SenseGoal::Before(_) => self.measure.sought.as_ref().is_some_and(is_near),
         }
-        if goal.wanted == Wanted::Before {
-            let sought = self.measure.sought;
-            return sought.is_some_and(|place| place.distance(here) <= SOURCE_RADIUS_M);
-        }
-        let candidates = self.candidates(goal);
-        candidates
-            .iter()
-            .any(|place| place.distance(here) <= SOURCE_RADIUS_M)
     }
 
     /// The pilot senses what is here.
-    pub(super) fn sense(&mut self, pilot: &mut impl crate::pilot::Pilot) {
+    pub(super) fn sense(&mut self, pilot: &mut impl Pilot) {
         if self.body.world().sources().is_empty() {
             return;
         }

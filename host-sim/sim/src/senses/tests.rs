@@ -1,12 +1,14 @@
 use super::*;
 use crate::behavior::Behavior;
-use crate::episode::{EpisodeReport, Setup, run};
+use crate::episode::{Body, EpisodeReport, Setup, run, run_with};
 use crate::robot::{AnyRobot, Ranges};
+use crate::turret_pilot::TurretController;
 use amp::config::Config;
 use arena::robot::TurretMode;
 use arena::robot_model::RobotModel;
 use arena::sonar::SonarModel;
-use arena::world::World;
+use arena::sources::{Scent, Sources};
+use arena::world::{Point, World};
 
 fn behavior(name: &str, tour: u32) -> Behavior {
     match name.parse().expect("a behavior") {
@@ -15,14 +17,17 @@ fn behavior(name: &str, tour: u32) -> Behavior {
     }
 }
 
-/// What a P3-DX reports that drives around and then seeks.
-fn sought(world: &World, name: &str, tour: u32, sonar: SonarModel) -> EpisodeReport {
+fn p3dx() -> AnyRobot {
     let model = RobotModel::builtin("p3dx").expect("built in");
-    let robot = AnyRobot::new(model, Ranges::Nomad, false).expect("it fits");
-    let setup = Setup {
+    AnyRobot::new(model, Ranges::Nomad, false).expect("it fits")
+}
+
+fn setup(behavior: Behavior, sonar: SonarModel) -> Setup {
+    let robot = p3dx();
+    Setup {
         config: robot.config(Config::recommended()),
         preset: "default".to_owned(),
-        behavior: behavior(name, tour),
+        behavior,
         explore_moves: 100,
         steps: 800,
         seed: 1,
@@ -33,7 +38,12 @@ fn sought(world: &World, name: &str, tour: u32, sonar: SonarModel) -> EpisodeRep
         robot: Some(robot),
         set_down: None,
         record: false,
-    };
+    }
+}
+
+/// What a P3-DX reports that drives around and then seeks.
+fn sought(world: &World, name: &str, tour: u32, sonar: SonarModel) -> EpisodeReport {
+    let setup = setup(behavior(name, tour), sonar);
     run(world, &setup, |_, _, _| {}).expect("it drives").report
 }
 
@@ -80,6 +90,102 @@ fn readings_are_shares_of_254_and_stay_in_range() {
     );
     let loud = Readings::of(&sensed, || 1.2);
     assert_eq!((loud.scent, loud.light), ([152], [254]));
+}
+
+#[test]
+fn sensors_are_as_exact_as_the_sonars() {
+    let scent = Scent {
+        position: Point::default(),
+        reach_m: 2.0,
+    };
+    let world = World::builtin("office")
+        .expect("built in")
+        .with_sources(Sources {
+            scents: vec![scent],
+            ..Sources::default()
+        });
+    let world = world.expect("a source");
+    let spread = |sonar| {
+        let mut body = Body::of_robot(&world, &p3dx(), sonar, 1).sensing(2);
+        let exact = 254.0 * body.sensed().scent;
+        let readings = (0..1_000).map(|_| f64::from(body.read().scent[0]) / exact - 1.0);
+        let squares = readings.map(|off| off * off).sum::<f64>();
+        (squares / 1_000.0).sqrt()
+    };
+    assert!(spread(SonarModel::Ideal) < 0.01);
+    let noisy = spread(SonarModel::Nomad);
+    assert!((0.045..0.055).contains(&noisy), "{noisy}");
+}
+
+/// Places stand 10 m aside of the others until it knows where it was set down.
+#[test]
+fn a_robot_that_does_not_know_where_it_is_records_nothing() {
+    let world = World::random2(1);
+    let scent = Scent {
+        position: world.start().position,
+        reach_m: 10.0,
+    };
+    let world = world.with_sources(Sources {
+        scents: vec![scent],
+        ..Sources::default()
+    });
+    let world = world.expect("a source");
+    let setup = setup(Behavior::Nest { tour: 300 }, SonarModel::Ideal);
+    let mut controller = TurretController::new(setup.config.clone(), &p3dx());
+    let episode = run_with(&world, &setup, &mut controller, |_, _, _| {}).expect("it drives");
+    assert_eq!(episode.report.success, 1.0);
+    let records = controller.senses().remembered(SenseGoal::Scent);
+    assert!(records.len() > 50, "{}", records.len());
+    let start = world.start().position;
+    for (position, strength) in records {
+        let [x, y] = [position.dx_mm, position.dy_mm].map(|mm| f64::from(mm) / 1e3);
+        let there = start + Point::new(x, y);
+        let is = world.sensed(there, 0.0).scent;
+        assert!(
+            (is - strength).abs() < 0.1,
+            "{position:?}: {strength}, {is}"
+        );
+    }
+}
+
+/// On a tour of as many steps for home it leaves half of the places out.
+#[test]
+fn a_robot_that_seeks_something_looks_everywhere_on_its_tour() {
+    let world = World::builtin("room").expect("built in");
+    let tour = 800;
+    let places = |behavior| {
+        let setup = setup(behavior, SonarModel::Ideal);
+        let mut controller = TurretController::new(setup.config.clone(), &p3dx());
+        let setup = Setup {
+            steps: 1,
+            record: true,
+            ..setup
+        };
+        let episode = run_with(&world, &setup, &mut controller, |_, _, _| {}).expect("it drives");
+        assert!(episode.recording.expect("recorded").has_toured);
+        let turret = controller.led_turret().expect("places");
+        turret.places().positions().len()
+    };
+    let everywhere = places(behavior("floor:red", tour));
+    let home = places(Behavior::Home { tour });
+    assert!(everywhere > home + 20, "{everywhere} {home}");
+}
+
+#[test]
+fn all_modalities_are_forgotten() {
+    let mut senses = Senses::default();
+    let sensed = Sensed {
+        scent: 0.5,
+        light: 0.5,
+        floor: [0.5; 3],
+    };
+    let readings = Readings::of(&sensed, || 1.0);
+    senses.perceive(&readings, Displacement::ZERO, Millis::from_ms(1));
+    let goals = [SenseGoal::Scent, SenseGoal::Light, SenseGoal::Floor("red")];
+    let counts = |senses: &Senses| goals.map(|goal| senses.remembered(goal).len());
+    assert_eq!(counts(&senses), [1; 3]);
+    senses.forget();
+    assert_eq!(counts(&senses), [0; 3]);
 }
 
 /// By the end of the tour alone the robot is at none of these sources.

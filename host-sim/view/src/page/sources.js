@@ -32,9 +32,9 @@ function showSources(scene) {
     if (arena.drag && arena.drag.element === group) return;
     set(group, { transform: "", "aria-label": `${SOURCE_NAMES[source.kind]} at ${source.at.map((v) => fixed(v, 2)).join(", ")} m: arrow keys move it` });
     const [cx, cy] = cm(source.at);
-    rings.forEach((ring, place) => set(ring, { cx, cy, r: 100 * source.reach_m * [1, 0.5, 0.25][place], fill: source.color, stroke: source.color, "stroke-width": u }));
+    rings.forEach((ring, place) => set(ring, { cx, cy, r: 100 * source.reach_m * [1, 0.5, 0.25][place], "stroke-width": u }));
     if (source.kind === "floor") set(mark, { points: list(source.outline), fill: source.color });
-    else set(mark, { cx, cy, r: 7 * u, fill: source.color, "stroke-width": 1.6 * u });
+    else set(mark, { cx, cy, r: 7 * u, "stroke-width": 1.6 * u });
   });
 }
 

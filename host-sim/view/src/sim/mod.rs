@@ -36,7 +36,7 @@ use std::sync::Arc;
 /// Rings without a decision after which the controller counts as silent.
 const MAX_SILENT_RINGS: f64 = 100.0;
 
-/// How a simulation begins.
+/// The initial settings of a simulation.
 #[derive(Debug, Clone)]
 pub struct SimulatorStart {
     /// The world.
@@ -100,7 +100,7 @@ pub struct Simulator {
     /// A remark for the page.
     note: Option<String>,
     goal: ActiveGoal,
-    /// Before the first move.
+    /// Situation and place before the first move.
     nest: Option<(Situation<16>, Point)>,
     decision: Option<Decision<16>>,
     /// The situation before the latest decision.
@@ -127,7 +127,7 @@ pub struct Simulator {
     cache: SimulatorCache,
 }
 
-/// Parts of the latest snapshot.
+/// Parts of the latest snapshot, and the number of snapshots.
 #[derive(Default)]
 struct SimulatorCache {
     revision: u64,
@@ -200,7 +200,9 @@ impl Simulator {
             body,
             start,
         };
-        simulator.begin_sources();
+        if let Err(CommandRefused(why)) = simulator.add_missing_sources() {
+            simulator.fail(why);
+        }
         simulator
     }
 

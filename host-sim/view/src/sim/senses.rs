@@ -5,7 +5,7 @@ use crate::dto::xy;
 use crate::snapshot::{Rounded, SensedDto, SourceDto};
 use crate::source::CommandRefused;
 use arena::noise::Noise;
-use arena::sources::{LAMP_M, Sources};
+use arena::sources::{LAMP_M, Sources, hex};
 use arena::world::{Point, Shape};
 use sim::episode::{Seeds, with_missing_sources};
 use sim::pilot::Pilot as _;
@@ -18,13 +18,6 @@ impl Simulator {
         }
         let readings = self.body.read();
         self.controller.sense(self.body.now(), &readings);
-    }
-
-    /// Adds what the first goal seeks.
-    pub(super) fn begin_sources(&mut self) {
-        if let Err(CommandRefused(why)) = self.add_missing_sources() {
-            self.fail(why);
-        }
     }
 
     /// Adds what the goal seeks, if the world has none.
@@ -81,23 +74,18 @@ pub(super) fn source_dtos(sources: &Sources) -> Vec<SourceDto> {
         outline: Shape::box_corners(patch.center, patch.size, patch.angle)
             .map(xy)
             .to_vec(),
-        color: hex(patch.color),
+        color: Some(hex(patch.color)),
     });
-    let point = |kind, at, reach_m, color: &str| SourceDto {
+    let point = |kind, at, reach_m| SourceDto {
         kind,
         at: xy(at),
         reach_m: Rounded(reach_m),
         outline: Vec::new(),
-        color: color.to_owned(),
+        color: None,
     };
     let scents = sources.scents.iter();
-    let scents = scents.map(|scent| point("scent", scent.position, scent.reach_m, "#009e73"));
+    let scents = scents.map(|scent| point("scent", scent.position, scent.reach_m));
     let lights = sources.lights.iter();
-    let lights = lights.map(|light| point("light", light.position, LAMP_M, "#f0e442"));
+    let lights = lights.map(|light| point("light", light.position, LAMP_M));
     floor.chain(scents).chain(lights).collect()
-}
-
-fn hex(color: [f64; 3]) -> String {
-    let [red, green, blue] = color.map(|share| libm::rint(255.0 * share) as u8);
-    format!("#{red:02x}{green:02x}{blue:02x}")
 }

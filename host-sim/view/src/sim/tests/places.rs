@@ -34,7 +34,7 @@ fn simulator(sonar: SonarModel, tour: u32) -> Simulator {
 
 /// Whether it still seeks, within a time that is long enough for all of these.
 pub(super) fn seeks(simulator: &Simulator) -> bool {
-    simulator.activity == SimulatorActivity::Seek && simulator.seeking.steps < 400
+    simulator.activity == SimulatorActivity::Seek && simulator.seeking.steps < 1_000
 }
 
 /// A part of a snapshot.
