@@ -109,6 +109,8 @@ pub struct Leg {
     pub room_mm: u16,
     /// It leads to where the robot has not been, on the way to a position.
     pub is_new: bool,
+    /// The moves that the maps chose have not led on: the robot goes straight.
+    pub is_straight: bool,
     /// It ends where the robot is to be led.
     pub is_last: bool,
 }
@@ -124,17 +126,21 @@ impl Leg {
         way: Displacement::ZERO,
         room_mm: 0,
         is_new: false,
+        is_straight: false,
         is_last: false,
     };
 
     /// How far the robot goes at once: what the maps chose, but not past the end. Where a new way
     /// leaves room and their move goes along it, it goes straight on, two steps: there are no
-    /// places yet by which it would correct its position.
+    /// places yet by which it would correct its position. Where their moves did not lead on it goes
+    /// straight as well.
     pub(crate) fn stride(self, chosen: Displacement, step_mm: u16) -> Displacement {
         let aside = self.way.bearing().minus(chosen.bearing()).as_signed_turns();
         let is_along = chosen != Displacement::ZERO && aside.unsigned_abs() <= ALONG;
         if self.is_new && self.room_mm > 0 && is_along {
             self.way.shortened(step_mm.saturating_mul(2))
+        } else if self.is_straight {
+            self.way.shortened(step_mm)
         } else {
             chosen.shortened(self.way.length_mm())
         }
@@ -179,6 +185,8 @@ pub struct Places<const SECTORS: usize, const RECORDS: usize> {
     frontier: Option<Frontier>,
     frontier_age: u8,
     target: Option<Target>,
+    /// It goes to the sub-goal straight, if it has one.
+    is_straight: bool,
     /// Nothing was left where it had not been: it looks more closely.
     looks_closely: bool,
     /// Places before this one have been looked at for shorter open ways.
@@ -199,6 +207,8 @@ pub struct Places<const SECTORS: usize, const RECORDS: usize> {
     walls: WallDirections,
     /// Since the compass heard walls.
     traveled_mm: u16,
+    /// Since the position was corrected.
+    unlocated_mm: u16,
     /// What the heading is to be corrected by.
     turn: Bearing,
     best: BestPosition,
@@ -224,6 +234,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             frontier: None,
             frontier_age: 0,
             target: None,
+            is_straight: false,
             looks_closely: false,
             reopened: 0,
             found: None,
@@ -238,6 +249,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             compass: Compass::NEW,
             walls: WallDirections::NONE,
             traveled_mm: 0,
+            unlocated_mm: 0,
             turn: Bearing::ZERO,
             best: BestPosition::ZERO,
             lost: Lost::NOT,
@@ -288,24 +300,25 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         self.graph.records().iter().map(|record| record.at)
     }
 
-    /// Pairs of places between which the robot went, each once. A number counts
-    /// [`positions`](Self::positions).
+    /// Pairs of places between which the robot went and the way is not blocked, each once. A number
+    /// counts [`positions`](Self::positions).
     pub fn links(&self) -> impl Iterator<Item = (u16, u16)> {
-        self.graph.numbered().flat_map(|(from, record)| {
-            let ends = record
+        let graph = &self.graph;
+        graph.numbered().flat_map(move |(from, record)| {
+            let open = record
                 .links()
-                .filter_map(|to| Some((to, self.graph.get(to)?)));
+                .filter(move |to| !graph.is_blocked(from, *to));
+            let ends = open.filter_map(move |to| Some((to, graph.get(to)?)));
             // A place forgets its oldest links: the other one may still have this one.
             ends.filter(move |(to, other)| from < *to || !other.was_gone_to(from))
                 .map(move |(to, _)| (from, to))
         })
     }
 
-    /// Pairs of places between which the way has proved blocked, each once, as of
+    /// Pairs of places between which the way has proved blocked lately, each once, as of
     /// [`links`](Self::links).
     pub fn blocked(&self) -> impl Iterator<Item = (u16, u16)> {
-        let pairs = self.graph.blocked();
-        pairs.filter(|(from, to)| from < to)
+        self.graph.blocked()
     }
 
     /// Frontiers: the place from which each open way leads, and where it ends, from the start.
@@ -348,6 +361,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     pub fn moved(&mut self, moved: Displacement) {
         self.here = self.here.plus(moved);
         self.traveled_mm = self.traveled_mm.saturating_add(moved.length_mm());
+        self.unlocated_mm = self.unlocated_mm.saturating_add(moved.length_mm());
         self.lost.moved(moved.length_mm());
     }
 }

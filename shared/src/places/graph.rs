@@ -13,18 +13,35 @@ pub(super) const LONGEST_LINK_MM: u16 = 1_200;
 const AT_PLACE_MM: u32 = 160;
 /// Places that are looked at while they are thinned out, at a time.
 const THINNED: usize = 8;
-/// Links that have proved blocked, at most: the oldest goes.
+/// Ways that have proved blocked, at most: the oldest goes.
 const BLOCKED: usize = 32;
 
 /// Places and links; a place is told by its number.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Graph<const SECTORS: usize, const RECORDS: usize> {
     records: Vec<Record<SECTORS>, RECORDS>,
-    blocked: Vec<(u16, u16), BLOCKED>,
-    /// How often the places have been thinned out.
-    thinned: u8,
-    /// Places before this one are as far apart as they should be.
+    blocked: Vec<Blocked, BLOCKED>,
+    /// Places are to be at least so far apart, millimeters; 0 as long as there is room.
+    least_mm: u16,
+    /// Places before this one are.
     apart: u16,
+}
+
+/// A way that does not go, for so many decisions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Blocked {
+    ends: (u16, u16),
+    left: u16,
+}
+
+impl Blocked {
+    const fn ends(one: u16, other: u16) -> (u16, u16) {
+        if one < other {
+            (one, other)
+        } else {
+            (other, one)
+        }
+    }
 }
 
 /// A place is gone: another stands for it, and the last one has its number now.
@@ -50,25 +67,19 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
     pub(super) const NEW: Self = Self {
         records: Vec::new(),
         blocked: Vec::new(),
-        thinned: 0,
+        least_mm: 0,
         apart: 0,
     };
 
     pub(super) fn forget(&mut self) {
         self.records.clear();
         self.blocked.clear();
-        (self.thinned, self.apart) = (0, 0);
+        (self.least_mm, self.apart) = (0, 0);
     }
 
-    /// A place is new where no other is nearer, millimeters. Two places of a body have no wall
-    /// between them if they are nearer than its diameter, and an open way has to end outside of
-    /// its place.
+    /// A place is new where no other is nearer, millimeters.
     pub(super) fn spacing_mm(&self, limits: &PlaceLimits) -> u16 {
-        let apart_mm = limits.spacing_mm;
-        let wider_mm = u16::from(self.thinned).saturating_mul(apart_mm / 4);
-        let diameter_mm = limits.radius_mm.saturating_mul(2);
-        let most_mm = diameter_mm.saturating_sub(apart_mm / 8).min(END_MM - 50);
-        apart_mm.saturating_add(wider_mm).min(most_mm.max(apart_mm))
+        limits.spacing_mm.max(self.least_mm)
     }
 
     pub(super) fn is_full(&self) -> bool {
@@ -81,33 +92,34 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
         for record in &mut self.records {
             record.unlink_from(first);
         }
-        self.blocked
-            .retain(|(one, other)| *one < first && *other < first);
+        // The greater number is the second one.
+        self.blocked.retain(|way| way.ends.1 < first);
         self.apart = self.apart.min(first);
     }
 
-    /// Without room for another place, places are to stand farther apart from now on.
+    /// Without room for another place, places are to stand farther apart from now on. Two places
+    /// of a body have no wall between them if they are nearer than its diameter, and an open way
+    /// has to end outside of its place.
     fn make_room(&mut self, limits: &PlaceLimits) {
         if usize::from(self.apart) < self.records.len() {
             return;
         }
-        let before_mm = self.spacing_mm(limits);
-        self.thinned = self.thinned.saturating_add(1);
-        if self.spacing_mm(limits) > before_mm {
-            self.apart = 0;
-        } else {
-            self.thinned -= 1;
+        let step_mm = limits.spacing_mm / 4;
+        let diameter_mm = limits.radius_mm.saturating_mul(2);
+        let most_mm = diameter_mm.saturating_sub(step_mm / 2).min(END_MM - 50);
+        let wider_mm = self.spacing_mm(limits).saturating_add(step_mm).min(most_mm);
+        if wider_mm > self.least_mm {
+            (self.least_mm, self.apart) = (wider_mm, 0);
         }
     }
 
     /// Merges one place with another that is too near, if there is one among the next few.
-    pub(super) fn thin_out(&mut self, limits: &PlaceLimits) -> Option<Merged> {
-        let spacing_mm = self.spacing_mm(limits);
+    pub(super) fn thin_out(&mut self) -> Option<Merged> {
         for _ in 0..THINNED {
             let at = self.get(self.apart)?.at;
             let earlier = self.numbered().take(self.apart.into());
             let is_near = |(_, other): &(u16, &Record<SECTORS>)| {
-                at.minus(other.at).is_shorter_than(spacing_mm.into())
+                at.minus(other.at).is_shorter_than(self.least_mm.into())
             };
             let near = earlier.filter(is_near);
             let nearest = near.min_by_key(|(_, other)| other.distance_mm(at));
@@ -136,10 +148,11 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
         for record in &mut self.records {
             record.renumber(merged);
         }
-        for (one, other) in &mut self.blocked {
-            (*one, *other) = (merged.renumbered(*one), merged.renumbered(*other));
+        for way in &mut self.blocked {
+            let (one, other) = way.ends;
+            way.ends = Blocked::ends(merged.renumbered(one), merged.renumbered(other));
         }
-        self.blocked.retain(|(one, other)| one != other);
+        self.blocked.retain(|way| way.ends.0 != way.ends.1);
         merged
     }
 
@@ -274,31 +287,42 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
             if let Some(record) = self.get_mut(one) {
                 record.link(other);
             }
-            self.blocked.retain(|pair| *pair != (one, other));
         }
+        let ends = Blocked::ends(from, to);
+        self.blocked.retain(|way| way.ends != ends);
     }
 
-    /// The way from one place to the other does not go.
-    pub(super) fn block(&mut self, from: u16, to: u16) {
-        for (one, other) in [(from, to), (to, from)] {
-            if let Some(record) = self.get_mut(one) {
-                record.unlink(other);
-            }
-            if self.blocked.is_full() {
-                self.blocked.remove(0);
-            }
-            // There is room.
-            let _ = self.blocked.push((one, other));
+    /// The way from one place to the other does not go, for so many decisions: what stands in it
+    /// may be gone then.
+    pub(super) fn block(&mut self, from: u16, to: u16, decisions: u16) {
+        let ends = Blocked::ends(from, to);
+        self.blocked.retain(|way| way.ends != ends);
+        if self.blocked.is_full() {
+            self.blocked.remove(0);
         }
+        // There is room.
+        let _ = self.blocked.push(Blocked {
+            ends,
+            left: decisions,
+        });
     }
 
-    /// Blocked ways, each from both of its ends.
+    /// Another decision: ways that were blocked for long enough may go again.
+    pub(super) fn pass_decision(&mut self) {
+        self.blocked.retain_mut(|way| {
+            way.left = way.left.saturating_sub(1);
+            way.left > 0
+        });
+    }
+
+    /// Blocked ways, from the place with the lesser number to the other.
     pub(super) fn blocked(&self) -> impl Iterator<Item = (u16, u16)> {
-        self.blocked.iter().copied()
+        self.blocked.iter().map(|way| way.ends)
     }
 
     pub(super) fn is_blocked(&self, from: u16, to: u16) -> bool {
-        self.blocked.contains(&(from, to))
+        let ends = Blocked::ends(from, to);
+        self.blocked.iter().any(|way| way.ends == ends)
     }
 
     /// Whether the robot may go from one place to the other: it did, they are near, or its body
@@ -309,14 +333,12 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
         };
         let way = other.at.minus(one.at);
         let length_mm = way.length_mm();
-        if length_mm > LONGEST_LINK_MM || one.was_gone_to(to) {
-            return length_mm <= LONGEST_LINK_MM;
-        }
-        if self.is_blocked(from, to) {
-            return false;
-        }
-        length_mm < limits.near_mm
-            || (one.free.reach_mm(way) >= length_mm
-                && other.free.reach_mm(one.at.minus(other.at)) + 100 >= length_mm)
+        let is_open = || {
+            one.was_gone_to(to)
+                || length_mm < limits.near_mm
+                || (one.free.reach_mm(way) >= length_mm
+                    && other.free.reach_mm(one.at.minus(other.at)) + 100 >= length_mm)
+        };
+        length_mm <= LONGEST_LINK_MM && is_open() && !self.is_blocked(from, to)
     }
 }

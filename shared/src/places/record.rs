@@ -150,13 +150,6 @@ impl<const SECTORS: usize> Record<SECTORS> {
         }
     }
 
-    /// That way is blocked now.
-    pub(super) fn unlink(&mut self, to: u16) {
-        for link in self.links.iter_mut().filter(|link| **link == to) {
-            *link = NOWHERE;
-        }
-    }
-
     /// The places from this one on are gone.
     pub(super) fn unlink_from(&mut self, first: u16) {
         for link in self.links.iter_mut().filter(|link| **link >= first) {

@@ -202,11 +202,12 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     }
 
     fn find_place(&mut self, limits: &PlaceLimits) -> Stage {
+        self.graph.pass_decision();
         if self.lost.first_uncertain().is_some() {
             if self.graph.is_full() {
                 self.forget_uncertain();
             }
-        } else if let Some(merged) = self.graph.thin_out(limits) {
+        } else if let Some(merged) = self.graph.thin_out() {
             self.current = self.current.map(|place| merged.renumbered(place));
             // What they were to lead to is looked for anew.
             (self.frontier, self.target) = (None, None);
@@ -301,6 +302,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             way,
             room_mm: ROOMS_MM.into_iter().find(fits).unwrap_or(0),
             is_new: self.looks_for_position(),
+            is_straight: self.is_straight && self.target.is_some(),
             is_last: self.purpose == Purpose::Lead(end),
         }
     }

@@ -27,6 +27,12 @@ const UNKNOWN_MM: u16 = 1_500;
 const STEADY: u8 = 8;
 /// A frontier that has not been reached after so many decisions is given up.
 const PATIENCE: u8 = 60;
+/// A way on which the robot got stuck does not go for so many decisions.
+const STUCK: u16 = 1_000;
+/// Nor does a way, for so many, on which something stands now.
+const SEEN: u16 = 300;
+/// It does if the way is free but for so much, millimeters.
+const NEARLY_MM: u16 = 100;
 
 impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     /// The way to the goal, if the robot sees it, or to the sub-goal that it is on the way to.
@@ -46,13 +52,13 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             (self.frontier, self.target) = (None, None);
             return to_goal;
         }
-        if is_stuck {
+        if is_stuck && !self.goes_straight(ground) {
             self.lost.doubt();
             self.give_up(limits);
         }
         let target = self.target.take()?;
         let way = target.position.minus(self.here);
-        let is_open = way.is_shorter_than(limits.near_mm.into()) || fits(&way);
+        let is_open = self.is_straight || way.is_shorter_than(limits.near_mm.into()) || fits(&way);
         if target.left == 0 || way.is_shorter_than(REACHED_MM) || !is_open {
             return None;
         }
@@ -78,7 +84,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             return None;
         };
         let target = self.sub_goal(limits, ground, sought, index)?;
-        self.target = Some(target);
+        (self.target, self.is_straight) = (Some(target), false);
         Some(target.position.minus(self.here))
     }
 
@@ -129,6 +135,10 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             && !self.is_blocked_from_here(after)
             && ground.fits(to_next.shortened(SIGHT_MM));
         let is_there = to_place.is_shorter_than(REACHED_MM);
+        if is_there && after != NOWHERE && self.is_obstructed(ground, to_next) {
+            self.graph.block(index, after, SEEN);
+            return None;
+        }
         let (position, record) = if is_there || is_on_way {
             (next, after)
         } else {
@@ -139,6 +149,21 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             record,
             left: STEADY,
         })
+    }
+
+    /// Something stands on a way between places.
+    fn is_obstructed<const POINTS: usize>(
+        &self,
+        ground: &Ground<'_, POINTS>,
+        way: Displacement,
+    ) -> bool {
+        let likely = Ground {
+            is_narrow: true,
+            radius_mm: ground.radius_mm / 4 * 3,
+            ..*ground
+        };
+        let free_mm = likely.free_mm(Displacement::ZERO, way);
+        free_mm.saturating_add(NEARLY_MM) < way.length_mm()
     }
 
     /// The nearest place from which there is a way.
@@ -268,12 +293,40 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         }
     }
 
+    /// The moves that the maps choose do not lead on: the robot goes straight to its sub-goal, or
+    /// from the place where it is to the next one. Returns `false` if it has already tried that, is
+    /// there, something stands in the way, or it only guesses where it is.
+    fn goes_straight<const POINTS: usize>(&mut self, ground: &Ground<'_, POINTS>) -> bool {
+        let may_try = !self.is_straight && self.lost.first_uncertain().is_none();
+        let Some(target) = self.target.filter(|_| may_try) else {
+            return false;
+        };
+        let after = Some(target.record)
+            .filter(|record| Some(*record) == self.current)
+            .and_then(|record| self.wavefront.next(record));
+        let place = after.and_then(|record| Some((record, self.graph.get(record)?.at)));
+        let (record, position) = place.unwrap_or((target.record, target.position));
+        let way = position.minus(self.here);
+        let is_there = way.is_shorter_than(REACHED_MM);
+        if record == NOWHERE || is_there || self.is_obstructed(ground, way) {
+            return false;
+        }
+        self.target = Some(Target {
+            position,
+            record,
+            // Until it is known whether that leads on.
+            left: 2 * STEADY,
+        });
+        self.is_straight = true;
+        true
+    }
+
     /// What the robot tries does not go.
     fn give_up(&mut self, limits: &PlaceLimits) {
         let target = self.target.take().map(|target| target.record);
         let to = target.filter(|record| *record != NOWHERE);
         match (self.current, to) {
-            (Some(from), Some(to)) if from != to => self.graph.block(from, to),
+            (Some(from), Some(to)) if from != to => self.graph.block(from, to, STUCK),
             _ => self.close_frontier(limits),
         }
     }

@@ -6,12 +6,14 @@ use crate::scan::Encoding;
 use crate::units::{Bearing, Range};
 use core::task::Poll;
 
+mod blocked;
 mod everywhere;
 mod locate;
 mod lost;
 mod narrow;
 mod reading;
 mod relocate;
+mod spacing;
 
 const LIMITS: PlaceLimits = PlaceLimits::NOMAD;
 const BODY_MM: f64 = 269.0;
@@ -42,6 +44,9 @@ struct Walker<'a, const RECORDS: usize = 256> {
     places: Places<16, RECORDS>,
     goal: Goal<16>,
     way_mm: f64,
+    /// It may be led against a wall, and stands then: so often.
+    stops: bool,
+    stopped: u32,
     /// Ways or places that it thinks of at a time.
     slice: u16,
 }
@@ -55,6 +60,8 @@ impl<'a, const RECORDS: usize> Walker<'a, RECORDS> {
             places: Places::new(),
             goal: perceived(&[255; 16]),
             way_mm: 0.0,
+            stops: false,
+            stopped: 0,
             slice: u16::MAX,
         }
     }
@@ -76,6 +83,14 @@ impl<'a, const RECORDS: usize> Walker<'a, RECORDS> {
             libm::hypot(x - ax - along * ux, y - ay - along * uy)
         });
         distances.fold(f64::INFINITY, f64::min)
+    }
+
+    fn would_touch(&mut self, step: Displacement) -> bool {
+        let here = self.places.here;
+        self.places.here = here.plus(step);
+        let touches = self.clearance_mm() <= BODY_MM;
+        self.places.here = here;
+        touches
     }
 
     /// Distance to the nearest wall along a ray from the center.
@@ -132,6 +147,10 @@ impl<'a, const RECORDS: usize> Walker<'a, RECORDS> {
         self.hear();
         let leg = self.think(Purpose::Lead(aim))?;
         let step = leg.way.shortened(250);
+        if self.stops && self.would_touch(step) {
+            self.stopped += 1;
+            return Some(leg);
+        }
         self.way_mm += f64::from(step.length_mm());
         self.points.moved(&PointLimits::NOMAD, step, Bearing::ZERO);
         self.places.moved(step);
@@ -222,21 +241,6 @@ fn without_room_for_all_places_stand_farther_apart() {
     let count = walker.places.positions().len();
     assert!((20..40).contains(&count), "{count}");
     walker.go_to(Displacement::ZERO);
-}
-
-/// A guard of a large margin, and room for few places: it goes on to look for ways.
-#[test]
-fn a_wide_spacing_leaves_open_ways() {
-    let limits = PlaceLimits {
-        radius_mm: u16::MAX,
-        ..LIMITS
-    };
-    let mut graph = Graph::<16, 2>::NEW;
-    for x_mm in [0, 600, 1_200, 1_800, 2_400, 3_000] {
-        graph.place_at(&limits, to(x_mm, 0), &[255; 16]);
-        while graph.thin_out(&limits).is_some() {}
-    }
-    assert_eq!(graph.spacing_mm(&limits), 550);
 }
 
 #[test]

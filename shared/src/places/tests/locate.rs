@@ -29,11 +29,54 @@ fn at_a_known_place_it_perceives_that_odometry_was_wrong() {
         for _ in 0..20 {
             walker.look();
             let view = walker.view();
+            travel(&mut walker.places, 400);
             walker.locate(&view);
         }
         let here = walker.places.here();
         assert!(here.is_shorter_than(25), "{slip:?}: {here:?}");
     }
+}
+
+/// There and back.
+fn travel<const RECORDS: usize>(places: &mut Places<16, RECORDS>, mm: i16) {
+    places.moved(to(mm / 2, 0));
+    places.moved(to(-mm / 2, 0));
+}
+
+/// What else a robot that stands perceives tells nothing new.
+#[test]
+fn the_position_is_corrected_by_little_more_than_wheels_slip() {
+    let mut walker = Walker::<256>::new(&TWO_ROOMS, (-1_100.0, -300.0));
+    walker.look();
+    walker.slip(to(0, 80));
+    let view = walker.view();
+    travel(&mut walker.places, 160);
+    walker.locate(&view);
+    // Of 240 mm, an eighth.
+    let before = walker.places.here();
+    assert_eq!(before, to(0, 50));
+    for _ in 0..20 {
+        walker.locate(&view);
+    }
+    assert_eq!(walker.places.here(), before);
+}
+
+#[test]
+fn one_that_was_set_down_is_corrected_by_what_it_perceives_at_once() {
+    let mut walker = Walker::<256>::new(&TWO_ROOMS, (-1_000.0, -1_400.0));
+    while walker.step(Aim::Frontier).is_some() {}
+    walker.places.set_down();
+    let before = walker.places.here();
+    walker.start.0 -= f64::from(before.dx_mm) + 1_000.0;
+    walker.start.1 -= f64::from(before.dy_mm);
+    walker.look();
+    let view = walker.view();
+    let there = walker.locate(&view);
+    walker.slip(to(0, 80));
+    let view = walker.view();
+    walker.locate(&view);
+    let off_mm = walker.places.here().minus(there).length_mm();
+    assert!((20..60).contains(&off_mm), "{off_mm}");
 }
 
 #[test]
@@ -85,6 +128,7 @@ fn only_what_shows_the_same_things_tells_where_it_is() {
         let (points, goal) = (PointMemory::<64>::new(), perceived(&before));
         think(&mut places, &points, before, Purpose::Perceive, &goal, 1);
         places.moved(to(thought_mm, 0));
+        travel(&mut places, 1_000);
         places.locate(ENCODING, &now);
         places.here().dx_mm
     };

@@ -8,6 +8,7 @@ fn on_a_new_way_with_room_the_robot_goes_two_steps_at_once() {
         way: to(900, 0),
         room_mm: 75,
         is_new: true,
+        is_straight: false,
         is_last: false,
     };
     let chosen = to(230, 90);
@@ -28,6 +29,21 @@ fn on_a_new_way_with_room_the_robot_goes_two_steps_at_once() {
         ..leg
     };
     assert_eq!(near.stride(to(250, 0), 250), to(100, 0));
+}
+
+#[test]
+fn where_the_maps_do_not_lead_on_it_goes_straight() {
+    let leg = Leg {
+        way: to(900, 0),
+        is_straight: true,
+        ..Leg::ZERO
+    };
+    assert_eq!(leg.stride(to(0, 250), 250), to(250, 0));
+    let short = Leg {
+        way: to(100, 0),
+        ..leg
+    };
+    assert_eq!(short.stride(to(0, 250), 250), to(100, 0));
 }
 
 #[test]

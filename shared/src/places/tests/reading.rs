@@ -42,7 +42,7 @@ fn a_way_that_does_not_go_is_blocked_once() {
     let mut walker = Walker::<256>::new(&TWO_ROOMS, (-1_000.0, -1_400.0));
     walker.go_to(to(2_000, 0));
     let count = walker.places.links().count();
-    walker.places.graph.block(3, 2);
+    walker.places.graph.block(3, 2, 9);
     assert!(walker.places.blocked().eq([(2, 3)]));
     assert_eq!(walker.places.links().count(), count - 1);
 }
