@@ -21,6 +21,7 @@ mod compare;
 mod damaged_logs;
 mod defects;
 mod determinism;
+mod errands;
 mod faults;
 #[cfg(unix)]
 mod files;

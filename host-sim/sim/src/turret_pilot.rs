@@ -99,10 +99,16 @@ impl TurretController {
         &self.senses
     }
 
-    /// Points and places, if the places lead it to goals.
+    /// Points and places.
+    #[must_use]
+    pub fn turret(&self) -> &SimTurret {
+        self.body.turret()
+    }
+
+    /// The same, if the places lead it to goals.
     #[must_use]
     pub fn led_turret(&self) -> Option<&SimTurret> {
-        self.is_led.then(|| self.body.turret())
+        self.is_led.then(|| self.turret())
     }
 
     /// The body as it is known; while it finds its sensors, as far as it has found them.

@@ -12,6 +12,7 @@ mod bridge;
 mod capture;
 mod compare;
 mod demo;
+mod errands;
 mod faults;
 mod learn;
 mod link;
@@ -92,6 +93,8 @@ enum CliCommand {
     Capture(capture::CaptureArgs),
     /// Measure whether a behavior improves by repetition, compared with frozen maps
     Repetition(repetition::RepetitionArgs),
+    /// Send a robot from place to place, again and again, while its world changes
+    Errands(errands::ErrandsArgs),
     /// Measure the effect of a faulty sonar, and the time until its detection
     Faults(faults::FaultsArgs),
     /// Print the content of a log that `run --log FILE.mcap` wrote
@@ -183,6 +186,7 @@ fn execute(command: Option<CliCommand>, out: &mut impl Write) -> Result<(), CliE
         Some(CliCommand::Behaviors(args)) => behaviors::behaviors(&args, out),
         Some(CliCommand::Capture(args)) => capture::capture(&args, out),
         Some(CliCommand::Repetition(args)) => repetition::repetition(&args, out),
+        Some(CliCommand::Errands(args)) => errands::errands(&args, out),
         Some(CliCommand::Faults(args)) => faults::faults(&args, out),
         Some(CliCommand::Bodies(args)) => bodies::bodies(&args, out),
         Some(CliCommand::Log(args)) => log::log(&args, out),

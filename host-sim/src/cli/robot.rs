@@ -134,7 +134,10 @@ impl NamedRobotArgs {
     }
 
     /// The robot behind points, the Nomad as well.
-    fn behind_points(&self, has_guard: bool) -> Result<AnyRobot, BadInput> {
+    ///
+    /// # Errors
+    /// An unknown robot or a bad file.
+    pub(super) fn behind_points(&self, has_guard: bool) -> Result<AnyRobot, BadInput> {
         AnyRobot::new(RobotModel::find(&self.robot)?, self.ranges, has_guard)
     }
 

@@ -20,7 +20,7 @@ use amp::scan::Situation;
 use amp::units::Millis;
 use arena::noise::Noise;
 use arena::sources::Sensed;
-use arena::world::{Point, World};
+use arena::world::{Point, Pose, World};
 
 /// The phases of an episode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -165,7 +165,7 @@ pub(super) fn explored<'w>(
     runner.observer = observer;
 
     runner.calibrate(controller, setup)?;
-    runner.start = runner.body.pose().position;
+    runner.start = runner.body.pose();
     let explore_moves = setup.explore_moves - setup.calibration_moves();
     let moves = u32::from(explore_moves);
     runner.command(
@@ -225,7 +225,7 @@ pub(super) struct EpisodeRunner<'w> {
     pub(super) behavior: Behavior,
     pub(super) part: usize,
     /// Where the random moves for the maps began.
-    pub(super) start: Point,
+    pub(super) start: Pose,
     /// Situation before the first of them, and what was known of it.
     pub(super) nest: Situation<16>,
     pub(super) nest_known: Mask,
@@ -252,7 +252,7 @@ impl<'w> EpisodeRunner<'w> {
             measure: Measure::new(world, world.start().position),
             behavior: Behavior::Avoid,
             part: 0,
-            start: world.start().position,
+            start: world.start(),
             nest: [Weight::ZERO; 16],
             nest_known: Mask::ALL,
             first: true,

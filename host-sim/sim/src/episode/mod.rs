@@ -9,6 +9,7 @@ mod body;
 mod calibrate;
 mod capture;
 mod drive;
+mod errands;
 mod leader;
 mod measure;
 mod metrics;
@@ -24,6 +25,7 @@ pub use capture::{nest_known, perceive};
 pub use drive::{
     Episode, Observer, Phase, drive_pilot, explore_and_learn, run, run_observed, run_with,
 };
+pub use errands::{Errand, ErrandPlan, Obstacle, Period, errands};
 pub use leader::Leader;
 pub use measure::{FOLLOW_RANGE_M, FOLLOW_TIME_S, NEST_RADIUS_M};
 pub use metrics::rounded;

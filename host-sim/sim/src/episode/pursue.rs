@@ -52,7 +52,8 @@ impl EpisodeRunner<'_> {
     /// Places the robot and the leader as the behavior requires.
     pub(super) fn set_scene(&mut self, setup: &Setup) {
         let behavior = &setup.behavior;
-        let nest = behavior.place(self.start).unwrap_or(self.start);
+        let home = self.start.position;
+        let nest = behavior.place(home).unwrap_or(home);
         if setup.set_down.is_some() || behavior.is_set_down_elsewhere() {
             self.body.wait(CARRY_TIME_S);
             match setup.set_down {
