@@ -13,7 +13,7 @@ fn the_table_does_not_depend_on_the_threads() {
 
 #[test]
 fn each_drive_is_a_line_of_json() {
-    let text = host_sim!().ok(&format!("{FLAGS} --json"));
+    let text = host_sim!().ok(&format!("{FLAGS} --json --out errands"));
     let drives: Vec<serde_json::Value> = text
         .lines()
         .map(|line| serde_json::from_str(line).expect("JSON"))

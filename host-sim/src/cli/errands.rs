@@ -2,9 +2,9 @@
 
 use super::output::{bar, pool, prepare};
 use super::robot::NamedRobotArgs;
-use super::run::{SonarChoice, Switch, sources};
+use super::run::{Preset, SonarChoice, Switch, sources};
+use super::setup::configured;
 use super::{CliError, table};
-use amp::config::Config;
 use clap::Args;
 use experiments::errands::{ErrandTrial, PeriodSummary, WorldErrands, measure, summarize};
 use files::error::BadInput;
@@ -103,18 +103,16 @@ pub fn errands(args: &ErrandsArgs, out: &mut impl Write) -> Result<(), CliError>
             }
         }
     }
-    match &args.out {
-        Some(dir) => picture(dir, &trial, worlds.len(), &periods, out),
-        None => Ok(()),
+    if let Some(dir) = &args.out {
+        let picture = picture(dir, &trial, worlds.len(), &periods)?;
+        if !args.json {
+            writeln!(out, "Picture: {}", picture.display())?;
+        }
     }
+    Ok(())
 }
 
 fn trial(args: &ErrandsArgs) -> Result<ErrandTrial, BadInput> {
-    let has_guard = args.shield == Switch::On;
-    let mut config = Config::recommended();
-    if !has_guard {
-        config.shield = None;
-    }
     Ok(ErrandTrial {
         seed: args.seed,
         places: args.places,
@@ -123,9 +121,9 @@ fn trial(args: &ErrandsArgs) -> Result<ErrandTrial, BadInput> {
         change_every: args.change_every,
         explore_moves: args.explore,
         steps: args.steps,
-        robot: args.robot.behind_points(has_guard)?,
+        robot: args.robot.behind_points(args.shield == Switch::On)?,
         sonar: args.sonar.into(),
-        config,
+        config: configured(Preset::Default, &[], args.shield, Switch::On)?,
     })
 }
 
@@ -197,8 +195,7 @@ fn picture(
     trial: &ErrandTrial,
     worlds: usize,
     periods: &[PeriodSummary],
-    out: &mut impl Write,
-) -> Result<(), CliError> {
+) -> Result<PathBuf, BadInput> {
     let along = name(trial.period);
     let last = periods.len().saturating_sub(1);
     let key = CurveKey {
@@ -220,5 +217,5 @@ fn picture(
     ];
     let svg = plots::curves("Errands", &key, &panels);
     let [picture, _] = save_picture(dir, "errands", &svg)?;
-    Ok(writeln!(out, "Picture: {}", picture.display())?)
+    Ok(picture)
 }

@@ -136,6 +136,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             && ground.fits(to_next.shortened(SIGHT_MM));
         let is_there = to_place.is_shorter_than(REACHED_MM);
         if is_there && after != NOWHERE && self.is_obstructed(ground, to_next) {
+            // With the next decision another way.
             self.graph.block(index, after, SEEN);
             return None;
         }

@@ -90,8 +90,7 @@ pub struct Errand {
     pub known: usize,
 }
 
-/// Explores and learns, and goes on errands. The robot knows where its sensors look. `done` is
-/// called after each errand.
+/// Explores and learns, and goes on errands. The robot knows where its sensors look.
 ///
 /// Returns the errands, and why they ended early if they did.
 ///
@@ -102,7 +101,6 @@ pub fn errands(
     setup: &Setup,
     controller: &mut TurretController,
     plan: &ErrandPlan,
-    mut done: impl FnMut(&Errand),
 ) -> Result<(Vec<Errand>, Option<EpisodeError>), EpisodeError> {
     let (runner, _) = explored(world, setup, controller, None, |_, _, _| {})?;
     let mut messenger = Messenger {
@@ -119,18 +117,12 @@ pub fn errands(
         for place in 0..=plan.places.len() {
             let period = messenger.period(round);
             if period >= plan.periods {
-                break;
+                return Ok((errands, None));
             }
             match messenger.run(period, place) {
-                Ok(errand) => {
-                    done(&errand);
-                    errands.push(errand);
-                }
+                Ok(errand) => errands.push(errand),
                 Err(why) => return Ok((errands, Some(why))),
             }
-        }
-        if messenger.period(round + 1) >= plan.periods {
-            break;
         }
     }
     Ok((errands, None))

@@ -49,7 +49,7 @@ fn go(plan: &ErrandPlan) -> (Vec<Errand>, Option<EpisodeError>) {
         record: false,
     };
     let mut controller = TurretController::new(config, &robot);
-    errands(&hall(), &setup, &mut controller, plan, |_| {}).expect("it drives")
+    errands(&hall(), &setup, &mut controller, plan).expect("it drives")
 }
 
 fn plan() -> ErrandPlan {
