@@ -8,6 +8,7 @@ use super::{CliError, table};
 use clap::Args;
 use experiments::errands::{ErrandTrial, PeriodSummary, WorldErrands, measure, summarize};
 use files::error::BadInput;
+use plots::draw::layout::counted;
 use plots::{CurveKey, Curves, save_picture};
 use sim::episode::Period;
 use sim::pilot::MAX_MOVES;
@@ -180,12 +181,13 @@ fn about(trial: &ErrandTrial, worlds: usize) -> String {
     let obstacle = match trial.change_every {
         None => String::new(),
         Some(every) => format!(
-            "; an obstacle comes and goes after {every} {}s",
-            name(trial.period)
+            "; an obstacle comes and goes after {}",
+            counted(every as usize, name(trial.period))
         ),
     };
+    let worlds = counted(worlds, "world");
     format!(
-        "{worlds} worlds, {} places and home, robot {robot}{obstacle} [95 % interval]",
+        "{worlds}, {} places and home, robot {robot}{obstacle} [95 % interval]",
         trial.places
     )
 }
