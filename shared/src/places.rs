@@ -19,6 +19,8 @@ use crate::scan::Encoding;
 use crate::units::{Bearing, Displacement};
 
 mod compass;
+mod elsewhere;
+mod follow;
 mod graph;
 mod ground;
 mod locate;

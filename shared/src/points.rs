@@ -186,6 +186,17 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         self.heading = self.heading.plus(turn);
     }
 
+    /// The robot faces this much farther to the left than it thought, and always did: all that it
+    /// heard stands there as well.
+    pub(crate) fn turn(&mut self, turn: Bearing) {
+        let direction = turn.direction();
+        for point in &mut self.points {
+            point.at = point.at.rotated(direction);
+            point.seen_from = point.seen_from.rotated(direction);
+        }
+        self.correct_heading(turn);
+    }
+
     /// As [`moved`](Self::moved); all points are kept.
     pub(crate) fn carry(&mut self, moved: Displacement, turned: Bearing) {
         if moved != Displacement::ZERO {

@@ -336,6 +336,19 @@ impl Displacement {
         let (x, y) = direction.rotate(i32::from(self.dx_mm), i32::from(self.dy_mm));
         Self::saturating(x, y)
     }
+
+    /// The same move turned to the left by so many right angles.
+    pub(crate) const fn turned_left(self, quarters: u8) -> Self {
+        let Self { dx_mm, dy_mm } = self;
+        let [back_mm, right_mm] = [dx_mm.saturating_neg(), dy_mm.saturating_neg()];
+        let [dx_mm, dy_mm] = match quarters % 4 {
+            0 => [dx_mm, dy_mm],
+            1 => [right_mm, dx_mm],
+            2 => [back_mm, right_mm],
+            _ => [dy_mm, back_mm],
+        };
+        Self { dx_mm, dy_mm }
+    }
 }
 
 /// `numerator / denominator` rounded to nearest, halves away from zero; 0 for a denominator of 0.

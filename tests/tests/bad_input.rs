@@ -80,6 +80,12 @@ const CASES: &[Case] = &[
     ("run --behavior home --log a.mcap", &["--log", "home"]),
     ("run --behavior home --mind qemu", &["--mind", "home"]),
     ("run --robot p3dx --tour 5", &["--tour", "home"]),
+    ("run --robot p3dx --turned", &["--turned", "nest"]),
+    (
+        "run --robot p3dx --ranges nomad --behavior nest --turned",
+        &["--turned", "held"],
+    ),
+    ("run --behavior nest --turned", &["--turned", "held"]),
     (
         "view --robot p3dx --behavior home --places off",
         &["home", "--places off"],

@@ -127,7 +127,7 @@ pub fn measure(
         driven.map(|e| e.report.success).collect::<Vec<_>>()
     };
     let wall_errors_m = successes(Behavior::WallRight);
-    let at_nest = successes(Behavior::Nest { tour: 0 });
+    let at_nest = successes(Behavior::NEST);
     let found = at_nest.iter().filter(|success| **success == 1.0).count();
     let bearing_errors = |which: usize| {
         let errors = episodes.iter().filter_map(|e| e.bearing_errors_deg);

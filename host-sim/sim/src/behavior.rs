@@ -6,6 +6,7 @@ use crate::goal_file::GoalFile;
 use crate::senses::SenseGoal;
 use amp::config::Config;
 use amp::goal::{Goal, Side};
+use amp::places::Aim;
 use amp::scan::Situation;
 use amp::units::Range;
 use arena::world::Point;
@@ -24,6 +25,38 @@ pub const CHAIN_HOLDS: u32 = 20;
 /// Steps of driving around before the way home.
 pub const TOUR_STEPS: u32 = 500;
 
+/// Driving around before a goal is pursued.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Tour {
+    /// Decisions; 0: there is none.
+    pub steps: u32,
+    /// What leads the robot.
+    pub by: TourBy,
+}
+
+/// What leads a robot that drives around.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TourBy {
+    /// Its places, to where it has not been.
+    Frontier,
+    /// Nothing: it avoids obstacles.
+    Avoid,
+}
+
+impl Tour {
+    /// None.
+    pub const NONE: Self = Self::of(0);
+
+    /// So many decisions, to where the robot has not been.
+    #[must_use]
+    pub const fn of(steps: u32) -> Self {
+        Self {
+            steps,
+            by: TourBy::Frontier,
+        }
+    }
+}
+
 /// A behavior by name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Behavior {
@@ -37,20 +70,22 @@ pub enum Behavior {
     WallRight,
     /// Return to the position before the first move, set down elsewhere.
     Nest {
-        /// Steps of driving around before it is set down elsewhere.
-        tour: u32,
+        /// Before it is set down elsewhere.
+        tour: Tour,
+        /// It is turned by a random angle as well.
+        is_turned: bool,
     },
     /// Drive around, and return to the position before the first move.
     Home {
-        /// Steps of driving around.
-        tour: u32,
+        /// Before it goes back.
+        tour: Tour,
     },
     /// Drive around, and go to what is sought in another modality.
     Sense {
         /// What is sought.
         goal: SenseGoal,
-        /// Steps of driving around.
-        tour: u32,
+        /// Before it goes back.
+        tour: Tour,
     },
     /// Follow another robot.
     Follow,
@@ -61,6 +96,12 @@ pub enum Behavior {
 }
 
 impl Behavior {
+    /// Return to the position before the first move, set down elsewhere at once, not turned.
+    pub const NEST: Self = Self::Nest {
+        tour: Tour::NONE,
+        is_turned: false,
+    };
+
     /// Names of the behaviors that any robot has, without a parameter.
     pub const NAMES: [&str; 6] = [
         "avoid",
@@ -151,6 +192,18 @@ impl Behavior {
         }
     }
 
+    /// The robot that is placed elsewhere is turned as well.
+    #[must_use]
+    pub const fn is_turned(&self) -> bool {
+        matches!(
+            self,
+            Self::Nest {
+                is_turned: true,
+                ..
+            }
+        )
+    }
+
     /// The place to reach, if there is one and it is known.
     #[must_use]
     pub fn place(&self, nest: Point) -> Option<Point> {
@@ -168,17 +221,33 @@ impl Behavior {
         let mut parts = self.parts().iter();
         parts.any(|part| match part {
             Self::Home { .. } | Self::Sense { .. } => true,
-            Self::Nest { tour } => *tour > 0,
+            Self::Nest { tour, .. } => tour.steps > 0,
             _ => false,
         })
     }
 
-    /// Steps of driving around before the behavior, of one that may begin so.
+    /// Driving around before the behavior, of one that may begin so.
     #[must_use]
-    pub fn tour(&self) -> Option<u32> {
+    pub fn tour(&self) -> Option<Tour> {
+        self.clone().tour_mut().copied()
+    }
+
+    /// As [`tour`](Self::tour), to be changed.
+    pub fn tour_mut(&mut self) -> Option<&mut Tour> {
         match self {
-            Self::Nest { tour } | Self::Home { tour } | Self::Sense { tour, .. } => Some(*tour),
+            Self::Nest { tour, .. } | Self::Home { tour } | Self::Sense { tour, .. } => Some(tour),
             _ => None,
+        }
+    }
+
+    /// Where its places lead the robot on that tour.
+    #[must_use]
+    pub fn tour_aim(&self) -> Option<Aim> {
+        match (self, self.tour()?.by) {
+            (_, TourBy::Avoid) => None,
+            // What is sought may be anywhere; home is by the ways that it knows.
+            (Self::Sense { .. }, TourBy::Frontier) => Some(Aim::Everywhere),
+            (_, TourBy::Frontier) => Some(Aim::Frontier),
         }
     }
 
@@ -223,7 +292,7 @@ impl FromStr for Behavior {
         if SenseGoal::is_meant_by(name) {
             return Ok(Self::Sense {
                 goal: name.parse()?,
-                tour: TOUR_STEPS,
+                tour: Tour::of(TOUR_STEPS),
             });
         }
         match name {
@@ -231,8 +300,10 @@ impl FromStr for Behavior {
             "avoid-right" => Ok(Self::AvoidRight),
             "wall-left" => Ok(Self::WallLeft),
             "wall-right" => Ok(Self::WallRight),
-            "nest" => Ok(Self::Nest { tour: 0 }),
-            "home" => Ok(Self::Home { tour: TOUR_STEPS }),
+            "nest" => Ok(Self::NEST),
+            "home" => Ok(Self::Home {
+                tour: Tour::of(TOUR_STEPS),
+            }),
             "follow" => Ok(Self::Follow),
             _ => {
                 let known: Vec<_> = Self::NAMES

@@ -15,6 +15,7 @@ use files::error::BadInput;
 use rayon::prelude::*;
 use remote::link::Knowledge;
 use remote::log;
+use sim::behavior::TourBy;
 use sim::episode::{self, Episode, EpisodeReport, Setup};
 use sim::pilot::{InspectableController, LocalController};
 use std::io::Write;
@@ -81,6 +82,24 @@ pub enum Switch {
     On,
     /// Off.
     Off,
+}
+
+/// What leads a robot on a tour, as named on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum TourChoice {
+    /// Its places, to where it has not been.
+    Frontier,
+    /// Nothing: it avoids obstacles.
+    Avoid,
+}
+
+impl From<TourChoice> for TourBy {
+    fn from(choice: TourChoice) -> Self {
+        match choice {
+            TourChoice::Frontier => Self::Frontier,
+            TourChoice::Avoid => Self::Avoid,
+        }
+    }
 }
 
 /// Sonar models as named on the command line.

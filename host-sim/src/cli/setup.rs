@@ -1,7 +1,7 @@
 //! The flags that define an episode: behavior, options, sonars, turret.
 
 use super::robot::RobotArgs;
-use super::run::{Preset, SonarChoice, Switch, TurretChoice};
+use super::run::{Preset, SonarChoice, Switch, TourChoice, TurretChoice};
 use amp::config::Config;
 use arena::sonar::TransducerFault;
 use clap::Args;
@@ -62,6 +62,14 @@ pub struct SetupArgs {
     /// 500], or before the robot is set down elsewhere with the behavior nest [default: 0]
     #[arg(long, value_name = "STEPS")]
     tour: Option<u32>,
+    /// What leads the robot on that tour: its places, to where it has not been, or nothing, and it
+    /// avoids obstacles [default: frontier]
+    #[arg(long, value_name = "frontier|avoid", value_enum)]
+    tour_by: Option<TourChoice>,
+    /// The robot that is set down elsewhere with the behavior nest is turned as well, by a random
+    /// angle; not a robot whose bearing is held
+    #[arg(long)]
+    turned: bool,
     /// Whether a memory of places leads the robot where it comes no nearer to a place by the goal
     /// alone [default: on, for nomad200 off]; on reads the ring of nomad200 through points, as the
     /// sensors of other robots
@@ -147,19 +155,41 @@ impl SetupArgs {
         } else {
             self.robot.find(has_guard, moves, turret)?
         };
+        let knows_bearing = !robot.as_ref().is_some_and(AnyRobot::heading_drifts);
+        if self.turned && knows_bearing {
+            return Err(BadInput::new(
+                "--turned: the bearing of this robot is held; try --robot p3dx",
+            ));
+        }
         Ok(robot.map(|robot| robot.led(self.places != Some(Switch::Off))))
     }
 
     fn behavior(&self) -> Result<Behavior, BadInput> {
-        match (self.task.behavior.clone(), self.tour) {
-            (Behavior::Home { .. }, Some(tour)) => Ok(Behavior::Home { tour }),
-            (Behavior::Nest { .. }, Some(tour)) => Ok(Behavior::Nest { tour }),
-            (Behavior::Sense { goal, .. }, Some(tour)) => Ok(Behavior::Sense { goal, tour }),
-            (_, Some(_)) => Err(BadInput::new(
-                "--tour: only with --behavior home, nest, scent:…, light:… or floor:…",
-            )),
-            (behavior, None) => Ok(behavior),
+        let mut behavior = self.task.behavior.clone();
+        let flag = match (self.tour, self.tour_by) {
+            (Some(_), _) => "--tour",
+            (None, Some(_)) => "--tour-by",
+            (None, None) => "",
+        };
+        match behavior.tour_mut() {
+            Some(tour) => {
+                tour.steps = self.tour.unwrap_or(tour.steps);
+                tour.by = self.tour_by.map_or(tour.by, Into::into);
+            }
+            None if flag.is_empty() => {}
+            None => {
+                return Err(BadInput::new(format!(
+                    "{flag}: only with --behavior home, nest, scent:…, light:… or floor:…"
+                )));
+            }
         }
+        if self.turned {
+            match &mut behavior {
+                Behavior::Nest { is_turned, .. } => *is_turned = true,
+                _ => return Err(BadInput::new("--turned: only with --behavior nest")),
+            }
+        }
+        Ok(behavior)
     }
 
     /// The setup of an episode of one step, without a recording.

@@ -7,6 +7,7 @@ use amp::config::Config;
 use amp::fixed::Mask;
 use amp::fixed::Weight;
 use amp::goal::{Goal, GoalFrame};
+use amp::places::Aim;
 use amp::scan::Situation;
 use arena::world::Point;
 use files::error::BadInput;
@@ -130,7 +131,7 @@ impl ActiveGoal {
     /// Steps of driving around before the way home. In a chain home has none.
     fn tour_steps(&self) -> Option<u32> {
         let behavior = self.as_behavior().filter(|behavior| behavior.has_end());
-        behavior?.tour()
+        Some(behavior?.tour()?.steps)
     }
 
     /// Steps of driving around before the way home, at this count of steps: driven, and in all.
@@ -141,6 +142,11 @@ impl ActiveGoal {
             false => all,
         };
         Some([driven, all])
+    }
+
+    /// Where its places lead the robot while it drives around.
+    pub fn tour_aim(&self) -> Option<Aim> {
+        self.as_behavior()?.tour_aim()
     }
 
     /// Whether it drives around before the way home.
@@ -335,9 +341,9 @@ fn named(name: &str, tour: Option<u32>) -> Result<Behavior, CommandRefused> {
     if let Some(unknown) = name.split(',').find(|part| !is_known(part)) {
         return Err(BadInput::unknown("behavior", unknown, &known).into());
     }
-    match (name.parse()?, tour) {
-        (Behavior::Home { .. }, Some(tour)) => Ok(Behavior::Home { tour }),
-        (Behavior::Sense { goal, .. }, Some(tour)) => Ok(Behavior::Sense { goal, tour }),
-        (behavior, _) => Ok(behavior),
+    let mut behavior: Behavior = name.parse()?;
+    if let (Some(tour), Some(steps)) = (behavior.tour_mut(), tour) {
+        tour.steps = steps;
     }
+    Ok(behavior)
 }

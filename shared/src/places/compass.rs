@@ -6,6 +6,10 @@ use crate::units::Bearing;
 /// Headings are compared up to so many parts of a right angle to each side: 11°.
 const PARTS_ASIDE: usize = 4;
 const HEADINGS: usize = 2 * PARTS_ASIDE + 1;
+/// Half of a right angle, in parts.
+const HALF: usize = PARTS / 2;
+/// A heading of which nothing was known is known when so much of all probability is around it.
+const KNOWN: u32 = TOTAL / 16 * 15;
 /// The sum of all probabilities.
 const TOTAL: u32 = 1 << 15;
 /// For each millimeter so many 65 536ths of a probability go to each of its neighbors: a heading
@@ -23,8 +27,11 @@ pub(super) struct Compass {
     /// Weights of walls, in the frame of the start.
     known: [u32; PARTS],
     /// Probabilities of errors of the odometry's heading, from [`PARTS_ASIDE`] parts to the right
-    /// on; all zeros at first, when it is right.
-    belief: [u16; HEADINGS],
+    /// on; all zeros at first, when it is right. Only the first [`HEADINGS`] count, unless it may
+    /// be any.
+    belief: [u16; PARTS],
+    /// Nothing is known of the heading.
+    is_unknown: bool,
     /// The error that is expected, turns to the left: by so much it has been corrected.
     error: i16,
 }
@@ -33,20 +40,58 @@ impl Compass {
     /// No wall is known.
     pub(super) const NEW: Self = Self {
         known: [0; PARTS],
-        belief: [0; HEADINGS],
+        belief: [0; PARTS],
+        is_unknown: false,
         error: 0,
     };
+
+    /// The robot may face anywhere; the walls are where they were.
+    pub(super) const fn forget_heading(&mut self) {
+        self.belief = [(TOTAL / PARTS as u32) as u16; PARTS];
+        self.is_unknown = true;
+    }
+
+    /// Whether the heading is known, but for right angles.
+    pub(super) const fn is_aligned(&self) -> bool {
+        !self.is_unknown
+    }
 
     /// Turns from the frame of the start to that of [`update`](Self::update).
     pub(super) const fn frame(&self) -> Bearing {
         Bearing::from_turns(self.error.wrapping_neg().cast_unsigned())
     }
 
+    /// A heading around which nearly all probability is becomes the one that is expected. Returns
+    /// by how much the robot faces farther to the left than it thought, at most half of a right
+    /// angle to either side.
+    pub(super) fn align(&mut self) -> Option<Bearing> {
+        let around = |heading: usize| -> u32 {
+            let first = heading + PARTS - PARTS_ASIDE;
+            let headings = (first..first + HEADINGS).map(|heading| self.belief[heading % PARTS]);
+            headings.map(u32::from).sum()
+        };
+        let most = (0..PARTS).max_by_key(|heading| self.belief[*heading])?;
+        if around(most) < KNOWN {
+            return None;
+        }
+        let parts = (most + PARTS - PARTS_ASIDE) % PARTS;
+        self.belief.rotate_left(parts);
+        self.is_unknown = false;
+        self.narrow();
+        // From half of them on it is to the right.
+        let left = (parts + HALF) % PARTS;
+        let turns = (left as u16 * PART).wrapping_sub(HALF as u16 * PART);
+        Some(Bearing::from_turns(turns))
+    }
+
     /// The robot has gone so far since it heard walls, and hears these. Returns by how much it
-    /// faces farther to the left than it thought.
+    /// faces farther to the left than it thought; nothing as long as it may face anywhere.
     pub(super) fn update(&mut self, traveled_mm: u16, walls: &WallDirections) -> Bearing {
         self.predict(traveled_mm);
         self.weigh(walls);
+        if self.is_unknown {
+            return Bearing::ZERO;
+        }
         let before = self.error;
         self.error = self.expected_error();
         let turn = Bearing::from_turns(self.error.wrapping_sub(before).cast_unsigned());
@@ -57,15 +102,22 @@ impl Compass {
 
     /// The farther the robot has gone the less is known.
     fn predict(&mut self, traveled_mm: u16) {
-        if self.belief == [0; HEADINGS] {
+        if self.belief == [0; PARTS] {
             self.belief[PARTS_ASIDE] = TOTAL as u16;
         }
         let share = (u32::from(traveled_mm) * SPREAD_PER_MM).min(1 << 14);
         let given = self.belief.map(|belief| (u32::from(belief) * share) >> 16);
-        let given_by = |index: usize| given.get(index).copied().unwrap_or(0);
         for (index, belief) in self.belief.iter_mut().enumerate() {
-            let gets = given_by(index.wrapping_sub(1)) + given_by(index + 1);
-            *belief = (u32::from(*belief) - 2 * given_by(index) + gets) as u16;
+            let gets = given[(index + PARTS - 1) % PARTS] + given[(index + 1) % PARTS];
+            *belief = (u32::from(*belief) - 2 * given[index] + gets) as u16;
+        }
+        self.narrow();
+    }
+
+    /// What is too far aside of what is expected counts no more.
+    fn narrow(&mut self) {
+        if !self.is_unknown {
+            self.belief[HEADINGS..].fill(0);
         }
     }
 
@@ -92,9 +144,13 @@ impl Compass {
             // At most 32.
             (matches.sum::<u64>() * u64::from(SCORE) / by_chance) as u32
         };
-        let mut weighed = [0; HEADINGS];
+        // Walls are heard again and again: of a heading that may be any they count less.
+        let prior = if self.is_unknown { 4 * SCORE } else { SCORE };
+        let mut weighed = [0; PARTS];
         for (heading, (weighed, belief)) in weighed.iter_mut().zip(self.belief).enumerate() {
-            *weighed = u32::from(belief) * (SCORE + score(heading)) / SCORE;
+            if belief > 0 {
+                *weighed = u32::from(belief) * (prior + score(heading)) / prior;
+            }
         }
         let sum: u32 = weighed.iter().sum();
         self.belief = weighed.map(|weighed| {
@@ -130,13 +186,12 @@ impl Compass {
     fn recenter(&mut self) {
         if self.error > PART.cast_signed() {
             self.belief.rotate_left(1);
-            self.belief[HEADINGS - 1] = 0;
             self.error -= PART.cast_signed();
         } else if self.error < -PART.cast_signed() {
             self.belief.rotate_right(1);
-            self.belief[0] = 0;
             self.error += PART.cast_signed();
         }
+        self.narrow();
     }
 }
 

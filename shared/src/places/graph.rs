@@ -14,7 +14,7 @@ const AT_PLACE_MM: u32 = 160;
 /// Places that are looked at while they are thinned out, at a time.
 const THINNED: usize = 8;
 /// Ways that have proved blocked, at most: the oldest goes.
-const BLOCKED: usize = 32;
+const BLOCKED: usize = 24;
 
 /// Places and links; a place is told by its number.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -4,77 +4,51 @@
 //! place of before showed what is perceived here, the robot guesses that it is there. It follows
 //! each guess as it moves: what it perceives speaks for the guess, or against it. When one is
 //! clearly better than all others it believes that one, and goes on comparing until it is certain.
+//!
+//! Without a compass it may face anywhere. The walls tell its heading but for right angles; each
+//! guess is one of the four headings as well. That is less to go by: a robot that has come to its
+//! goal and is not certain goes away and back before it stays.
 
-use super::locate::nearer_things;
+use super::elsewhere::{Elsewhere, Guess, QUARTERS, SAME_MM};
 use super::recent::Recent;
 use super::record::Record;
-use super::relocate::axes;
 use super::stage::Stage;
-use super::{Aim, Places};
+use super::{Aim, NOWHERE, Places};
 use crate::goal::Goal;
-use crate::units::{Direction, Displacement};
+use crate::units::{Bearing, Displacement};
 use heapless::Vec;
 
 /// Guesses, at most.
 const GUESSES: usize = 24;
-/// Positions nearer to each other are the same, millimeters.
-const SAME_MM: u32 = 300;
-/// What is this much nearer or farther than it should be is something else, millimeters.
-const OTHER_MM: u16 = 150;
-/// Sectors that must be known here and there.
-const MIN_SECTORS: u16 = 8;
-/// A view fits a place from this mean on, of what its sectors are off less than [`OTHER_MM`],
-/// millimeters. Where the robot is that is about 70, elsewhere about 10.
-const FITS_MM: i16 = 40;
 /// A guess is believed from this score on; it is the sum of what fits better, millimeters.
 const ENOUGH: i16 = 300;
 /// The robot is certain from this score on.
 const CERTAIN: i16 = 400;
+/// A belief that has held for so far is certain as well, of a robot without a compass, millimeters.
+const PROVED_MM: u16 = 5_000;
+/// Times that it goes away and back to make sure.
+const DETOURS: u8 = 3;
+/// Walls tell the heading when they have been heard for so far, millimeters.
+const ALIGNED_MM: u16 = 1_000;
+/// Without a belief the heading is looked for anew after so far, millimeters.
+const ASKEW_MM: u16 = 30_000;
 /// A belief is given up at this score.
 const WRONG: i16 = -100;
 /// A robot that does not get on where it believes to be loses so much of its score.
 const DOUBT: i16 = 100;
-/// A score loses one part in so many before another view counts: what fitted long ago counts less.
-const LEAK: i16 = 16;
 /// A view counts after so far, millimeters.
 const STRIDE_MM: u16 = 200;
-/// A place tells what is perceived this near to it, millimeters.
-const AROUND_MM: u16 = 400;
-/// A guess moves by so much at a time, along x and y, to where it fits better, millimeters.
-const NUDGE_MM: i16 = 50;
-/// Positions so far beside a place, along x and y, are guessed as well, millimeters.
-const BESIDE_MM: i16 = 150;
 /// New places stand this far aside of all before, millimeters.
 const ASIDE_MM: i16 = 10_000;
 /// With fewer places the robot begins anew: many other rooms would look like those.
 const MIN_PLACES: usize = 32;
-/// To compare a view at nine positions takes about so many steps of thinking.
-const STEPS_PER_GUESS: u16 = 4;
-
-/// Somewhere among the places before.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Guess {
-    /// From where the robot thinks it is.
-    pub(super) shift: Displacement,
-    pub(super) score: i16,
-}
-
-impl Guess {
-    fn is_near(&self, shift: Displacement) -> bool {
-        self.shift.minus(shift).is_shorter_than(2 * SAME_MM)
-    }
-
-    fn is_here(&self) -> bool {
-        self.is_near(Displacement::ZERO)
-    }
-}
 
 /// What a robot that was set down elsewhere knows of where it is. If it was not, or is certain,
 /// only the travel and [`is_resigned`](Self::is_resigned) change, and neither counts.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Lost {
     pub(super) guesses: Vec<Guess, GUESSES>,
-    pub(super) was_set_down: bool,
+    was_set_down: bool,
     pub(super) believes: bool,
     /// It has been everywhere, and does not know.
     is_resigned: bool,
@@ -84,6 +58,13 @@ pub(super) struct Lost {
     began: Displacement,
     /// Since a view counted, millimeters.
     traveled_mm: u16,
+    /// Since it began to believe, or to look for its heading, millimeters.
+    since_mm: u16,
+    /// To make sure it goes to this place, and back.
+    detour: Option<u16>,
+    detours: u8,
+    /// Next it guesses that it faces so many right angles farther to the left.
+    pub(super) quarters: u8,
 }
 
 impl Lost {
@@ -95,6 +76,10 @@ impl Lost {
         first: 0,
         began: Displacement::ZERO,
         traveled_mm: 0,
+        since_mm: 0,
+        detour: None,
+        detours: 0,
+        quarters: 0,
     };
 
     /// Places from this one on may be elsewhere than they seem to be.
@@ -104,31 +89,34 @@ impl Lost {
 
     pub(super) const fn moved(&mut self, length_mm: u16) {
         self.traveled_mm = self.traveled_mm.saturating_add(length_mm);
+        self.since_mm = self.since_mm.saturating_add(length_mm);
     }
 
     /// There is nowhere to go: a belief is doubted, and without one it hopes no more.
-    pub(super) fn resign(&mut self) {
+    pub(super) fn resign(&mut self, here: Displacement) {
         self.is_resigned = !self.believes;
-        self.doubt();
+        self.doubt(here);
     }
 
     /// It does not get on.
-    pub(super) fn doubt(&mut self) {
+    pub(super) fn doubt(&mut self, here: Displacement) {
         if !self.believes {
             return;
         }
-        for guess in self.guesses.iter_mut().filter(|guess| guess.is_here()) {
-            guess.score = guess.score.saturating_sub(DOUBT);
+        for guess in &mut self.guesses {
+            if guess.is_here(here) {
+                guess.score = guess.score.saturating_sub(DOUBT);
+            }
         }
         self.traveled_mm = STRIDE_MM;
     }
 
-    fn guess(&mut self, shift: Displacement) {
-        let is_same = |guess: &Guess| guess.shift.minus(shift).is_shorter_than(SAME_MM);
+    pub(super) fn guess(&mut self, at: Elsewhere, here: Displacement) {
+        let is_same = |guess: &Guess| guess.at.is_near(&at, here, SAME_MM);
         if self.guesses.iter().any(is_same) {
             return;
         }
-        if let Err(guess) = self.guesses.push(Guess { shift, score: 0 }) {
+        if let Err(guess) = self.guesses.push(Guess { at, score: 0 }) {
             let worst = self.guesses.iter_mut().min_by_key(|guess| guess.score);
             if let Some(worst) = worst.filter(|worst| worst.score < 0) {
                 *worst = guess;
@@ -136,27 +124,25 @@ impl Lost {
         }
     }
 
-    fn end_if_certain(&mut self, score: i16) {
-        if score >= CERTAIN {
+    fn end_if_certain(&mut self, score: i16, has_compass: bool) {
+        if score >= CERTAIN || !has_compass && self.since_mm >= PROVED_MM {
             *self = Self::NOT;
         }
     }
 
     /// The best guess, if it has half as much again as any that is elsewhere.
-    fn clearly_best(&self) -> Option<Guess> {
+    fn clearly_best(&self, here: Displacement) -> Option<Guess> {
         let best = self.guesses.iter().max_by_key(|guess| guess.score)?;
-        let others = self
-            .guesses
-            .iter()
-            .filter(|guess| !guess.is_near(best.shift));
+        let is_other = |guess: &&Guess| !guess.at.is_near(&best.at, here, 2 * SAME_MM);
+        let others = self.guesses.iter().filter(is_other);
         let next = others.map(|guess| guess.score).max().unwrap_or(0);
         (best.score >= ENOUGH && next <= best.score / 3 * 2).then_some(*best)
     }
 }
 
 impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
-    /// The robot was set down elsewhere, its bearing is known. With enough places it finds out
-    /// where among them it is; otherwise it begins anew.
+    /// The robot was set down elsewhere; without a compass it may face anywhere. With enough places
+    /// it finds out where among them it is; otherwise it begins anew.
     pub fn set_down(&mut self) {
         let known = self.graph.records().len();
         let known = self.lost.first_uncertain().map_or(known, usize::from);
@@ -179,6 +165,9 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             ..Lost::NOT
         };
         self.go_aside();
+        if !self.has_compass {
+            self.compass.forget_heading();
+        }
     }
 
     /// Where it was set down in the frame of the start, and the first of the places that it has
@@ -193,15 +182,37 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
 
     /// What a robot with this aim is led to. While it does not know where it is it drives around;
     /// where that has not helped it looks for the goal's situation.
-    pub(crate) fn aim_while_lost(&self, aim: Aim, goal: &Goal<SECTORS>) -> Aim {
+    pub(crate) fn aim_while_lost(&mut self, aim: Aim, goal: &Goal<SECTORS>) -> Aim {
         let is_lost = self.lost.was_set_down && !self.lost.believes;
         match aim {
+            Aim::Position(position) if self.lost.believes && !self.has_compass => {
+                Aim::Position(self.with_detour(position))
+            }
             Aim::Position(_) if is_lost && self.lost.is_resigned && goal.is_place() => {
                 Aim::Situation
             }
             Aim::Position(_) if is_lost && self.lost.first > 0 => Aim::Frontier,
             aim => aim,
         }
+    }
+
+    /// A robot that has come to a position, and is not certain, goes to the farthest place and back
+    /// before it stays.
+    fn with_detour(&mut self, position: Displacement) -> Displacement {
+        let is_here = |end: Displacement| end.minus(self.here).is_shorter_than(SAME_MM);
+        let end_of = |detour: Option<u16>| Some(self.graph.get(detour?)?.at);
+        if let Some(end) = end_of(self.lost.detour).filter(|end| !is_here(*end)) {
+            return end;
+        }
+        let was_away = self.lost.detour.take().is_some();
+        if was_away || self.lost.detours >= DETOURS || !is_here(position) {
+            return position;
+        }
+        let places = self.known_before().iter().zip(0..NOWHERE);
+        let farthest = places.max_by_key(|(place, _)| place.distance_mm(self.here));
+        self.lost.detour = farthest.map(|(_, index)| index);
+        self.lost.detours += 1;
+        end_of(self.lost.detour).unwrap_or(position)
     }
 
     /// From now on places stand aside of those of before.
@@ -215,16 +226,50 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             least.saturating_sub(ASIDE_MM)
         };
         self.lost.believes = false;
-        self.shift(Displacement { dx_mm, dy_mm: 0 }.minus(self.lost.began));
+        let aside = Displacement { dx_mm, dy_mm: 0 };
+        self.go_to(Elsewhere::between(self.lost.began, aside, 0));
     }
 
-    /// It is elsewhere than it thought, by so much.
-    fn shift(&mut self, shift: Displacement) {
-        self.here = self.here.plus(shift);
-        self.lost.began = self.lost.began.plus(shift);
-        for guess in &mut self.lost.guesses {
-            guess.shift = guess.shift.minus(shift);
+    /// Which way a robot faces that was set down elsewhere, but for right angles: after a while the
+    /// walls tell it. One that has found nothing for long, or has been everywhere, may have been
+    /// told wrong.
+    pub(super) fn find_heading_anew(&mut self) {
+        if self.lost.first == 0 {
+            return;
         }
+        if self.compass.is_aligned() {
+            let is_long = self.lost.is_resigned || self.lost.since_mm >= ASKEW_MM;
+            if !self.lost.believes && is_long {
+                self.compass.forget_heading();
+                self.begin_aside(Bearing::ZERO);
+            }
+        } else if self.lost.since_mm >= ALIGNED_MM
+            && let Some(turn) = self.compass.align()
+        {
+            self.begin_aside(turn);
+        }
+    }
+
+    /// What it has found since it was set down stands askew: it faces this much farther to the
+    /// left.
+    fn begin_aside(&mut self, turn: Bearing) {
+        self.turn = self.turn.plus(turn);
+        let way = self.here.minus(self.lost.began);
+        self.lost.began = self.here.minus(way.rotated(turn.direction()));
+        (self.lost.since_mm, self.lost.is_resigned) = (0, false);
+        self.lost.guesses.clear();
+        self.go_to(Elsewhere::HERE);
+    }
+
+    /// It is elsewhere than it thought.
+    fn go_to(&mut self, at: Elsewhere) {
+        self.here = at.of(self.here);
+        self.lost.began = at.of(self.lost.began);
+        for guess in &mut self.lost.guesses {
+            guess.at = guess.at.seen_from(&at);
+        }
+        let turn = Bearing::of_place(at.quarters.into(), QUARTERS.into());
+        self.turn = self.turn.plus(turn);
         self.forget_uncertain();
         (self.frontier, self.frontier_age) = (None, 0);
         (self.target, self.found, self.recent) = (None, None, Recent::NEW);
@@ -236,86 +281,26 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         self.current = None;
     }
 
-    fn known_before(&self) -> &[Record<SECTORS>] {
+    pub(super) fn known_before(&self) -> &[Record<SECTORS>] {
         let known = self.graph.records().get(..self.lost.first.into());
         known.unwrap_or(&[])
     }
 
-    /// Compares what is perceived with what a few guesses expect.
-    pub(super) fn follow_guesses(&mut self, first: u16, steps: u16) -> Stage {
-        if self.lost.traveled_mm < STRIDE_MM {
-            return Stage::Place;
-        }
-        let axes = axes();
-        let last = usize::from(first.saturating_add(steps.div_ceil(STEPS_PER_GUESS)));
-        for index in first.into()..last {
-            if let Some(followed) = self.followed(&axes, index)
-                && let Some(guess) = self.lost.guesses.get_mut(index)
-            {
-                *guess = followed;
-            }
-        }
-        if last < self.lost.guesses.len() {
-            Stage::Guesses(last as u16)
-        } else {
-            Stage::Seeds(0)
-        }
-    }
-
-    fn followed(&self, axes: &[Direction; SECTORS], index: usize) -> Option<Guess> {
-        let Guess { shift, score } = *self.lost.guesses.get(index)?;
-        let position = self.here.plus(shift);
-        let score = score - score / LEAK;
-        let known = self.known_before().iter();
-        let place = known.min_by_key(|record| record.distance_mm(position))?;
-        let fit = (place.distance_mm(position) < AROUND_MM)
-            .then(|| self.best_fit(axes, place, position, NUDGE_MM))
-            .flatten();
-        Some(match fit {
-            Some((fit_mm, position)) => Guess {
-                shift: position.minus(self.here),
-                score: score.saturating_add(fit_mm - FITS_MM),
-            },
-            None => Guess { shift, score },
-        })
-    }
-
-    /// A few of the places before may be here. After the last one the robot believes the best
-    /// guess, or gives up its belief.
-    pub(super) fn seed_guesses(&mut self, first: u16, steps: u16) -> Stage {
-        let axes = axes();
-        let last = first
-            .saturating_add(steps.div_ceil(STEPS_PER_GUESS))
-            .min(self.lost.first);
-        for index in first..last {
-            let Some(place) = self.graph.get(index) else {
-                continue;
-            };
-            let fit = self.best_fit(&axes, place, place.at, BESIDE_MM);
-            if let Some((_, position)) = fit.filter(|(fit_mm, _)| *fit_mm >= FITS_MM) {
-                self.lost.guess(position.minus(self.here));
-            }
-        }
-        if last < self.lost.first {
-            return Stage::Seeds(last);
-        }
-        self.lost.traveled_mm = 0;
-        self.believe();
-        Stage::Place
-    }
-
+    /// Believes a guess that is clearly the best, or gives up its belief.
     pub(super) fn believe(&mut self) {
-        match self.lost.clearly_best() {
-            Some(guess) if self.lost.believes && guess.is_here() => {
-                self.lost.end_if_certain(guess.score);
+        let here = self.here;
+        match self.lost.clearly_best(here) {
+            Some(guess) if self.lost.believes && guess.is_here(here) => {
+                self.lost.end_if_certain(guess.score, self.has_compass);
             }
             Some(guess) => {
-                self.lost.believes = true;
-                self.shift(guess.shift);
+                (self.lost.believes, self.lost.since_mm) = (true, 0);
+                self.lost.detour = None;
+                self.go_to(guess.at);
             }
             None if self.lost.believes => {
-                let mut here = self.lost.guesses.iter().filter(|guess| guess.is_here());
-                if here.all(|guess| guess.score < WRONG) {
+                let mut believed = self.lost.guesses.iter().filter(|guess| guess.is_here(here));
+                if believed.all(|guess| guess.score < WRONG) {
                     self.go_aside();
                 }
             }
@@ -323,48 +308,17 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         }
     }
 
-    /// Of a position and the eight around it the one where a place's view fits best, and by how
-    /// much; `None` where too little is known.
-    // Called twice: one copy saves flash.
-    #[inline(never)]
-    fn best_fit(
-        &self,
-        axes: &[Direction; SECTORS],
-        place: &Record<SECTORS>,
-        position: Displacement,
-        step_mm: i16,
-    ) -> Option<(i16, Displacement)> {
-        let steps_mm = [0, step_mm, -step_mm];
-        let mut best = None;
-        for dx_mm in steps_mm {
-            for dy_mm in steps_mm {
-                let at = position.plus(Displacement { dx_mm, dy_mm });
-                let fit_mm = self.fit_mm(axes, place, at)?;
-                if best.is_none_or(|(best_mm, _)| fit_mm > best_mm) {
-                    best = Some((fit_mm, at));
-                }
-            }
+    /// A view has been compared with all that is known: another counts after a while.
+    pub(super) fn has_compared(&mut self) {
+        self.lost.traveled_mm = 0;
+        if !self.has_compass {
+            self.lost.quarters = (self.lost.quarters + 1) % QUARTERS;
         }
-        best
+        self.believe();
     }
 
-    /// How much nearer things are to where a place's view has them, seen from a position, than
-    /// others would be; a mean over the sectors, 0 … 150 mm.
-    fn fit_mm(
-        &self,
-        axes: &[Direction; SECTORS],
-        place: &Record<SECTORS>,
-        position: Displacement,
-    ) -> Option<i16> {
-        let offset = position.minus(place.at);
-        let (mut sum_mm, mut sectors) = (0, 0);
-        let things = nearer_things(self.encoding, &place.view, &self.view);
-        for (axis, nearer_mm) in things.filter_map(|(sector, mm)| Some((axes.get(sector)?, mm))) {
-            let expected_mm = axis.along(offset.dx_mm.into(), offset.dy_mm.into());
-            let off_mm = (nearer_mm - expected_mm).unsigned_abs();
-            sum_mm += OTHER_MM.saturating_sub(off_mm.min(OTHER_MM.into()) as u16);
-            sectors += 1;
-        }
-        (sectors >= MIN_SECTORS).then(|| (sum_mm / sectors) as i16)
+    /// Whether a view counts.
+    pub(super) const fn may_compare(&self) -> bool {
+        self.lost.traveled_mm >= STRIDE_MM
     }
 }

@@ -124,6 +124,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             Stage::Heading => {
                 let turn = self.compass.update(self.traveled_mm, &self.walls);
                 (self.turn, self.traveled_mm) = (self.turn.plus(turn), 0);
+                self.find_heading_anew();
                 self.whether_lost(Stage::Doubt)
             }
             Stage::Doubt if self.doubts_position() => Stage::Positions(0),
@@ -165,7 +166,8 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     /// other one thinks.
     fn whether_lost(&self, otherwise: Stage) -> Stage {
         match self.lost.first_uncertain() {
-            Some(_) => Stage::Guesses(0),
+            Some(_) if self.compass.is_aligned() => Stage::Guesses(0),
+            Some(_) => Stage::Place,
             None => otherwise,
         }
     }

@@ -53,7 +53,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             return to_goal;
         }
         if is_stuck && !self.goes_straight(ground) {
-            self.lost.doubt();
+            self.lost.doubt(self.here);
             self.give_up(limits);
         }
         let target = self.target.take()?;
@@ -80,7 +80,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             // Nothing is left: everything may be tried again.
             self.graph.search_anew();
             self.looks_closely |= self.purpose == Purpose::Lead(Aim::Everywhere);
-            self.lost.resign();
+            self.lost.resign(self.here);
             return None;
         };
         let target = self.sub_goal(limits, ground, sought, index)?;

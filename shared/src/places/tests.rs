@@ -14,6 +14,7 @@ mod narrow;
 mod reading;
 mod relocate;
 mod spacing;
+mod turned;
 
 const LIMITS: PlaceLimits = PlaceLimits::NOMAD;
 const BODY_MM: f64 = 269.0;

@@ -374,3 +374,22 @@ fn an_echo_that_ends_motions_frees_nothing_beyond_it() {
     assert_eq!(memory.len(), 2);
     assert_eq!(memory.points.first(), wall.points.first());
 }
+
+#[test]
+fn what_was_heard_turns_with_a_robot_that_faces_elsewhere() {
+    let mut memory = heard(&[(0.0, 900), (90.0, 600), (200.0, 1_200)]);
+    let before = ranges(&memory);
+    memory.turn(degrees(90.0));
+    assert_eq!(memory.heading(), degrees(90.0));
+    let mut turned = before;
+    turned.rotate_right(4);
+    let pairs = ranges(&memory).into_iter().zip(turned);
+    for (now, expected) in pairs {
+        assert_eq!(now.is_some(), expected.is_some());
+        let off_mm = now.unwrap_or(0).abs_diff(expected.unwrap_or(0));
+        assert!(off_mm <= 8, "{now:?} {expected:?}");
+    }
+    // In the body's frame all is where it was.
+    memory.hear(&LIMITS, &beam(0.0, 700));
+    assert_eq!(ranges(&memory)[4], Some(700));
+}

@@ -5,8 +5,11 @@ use super::{RingController, Robot, VirtualTurret};
 use crate::controller::{Command, Event, Outputs};
 use crate::memory::{self, SituationBytes};
 use crate::places::{Aim, PlaceLimits, Places, Purpose, SLICE};
-use crate::units::Displacement;
+use crate::units::{Bearing, Displacement};
 use core::task::Poll;
+
+/// A heading drifts by no more from decision to decision, turns: 11°.
+const MOST_DRIFT: u16 = 1 << 11;
 
 impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
     VirtualTurret<SECTORS, POINTS, RECORDS>
@@ -41,6 +44,16 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
         self.is_led = aim.is_some();
         if let Some(aim) = aim {
             self.aim = aim;
+        }
+    }
+
+    /// The robot faces this much farther to the left than it thought: all that it heard stands
+    /// there as well, and it goes there.
+    fn turn(&mut self, turn: Bearing) {
+        self.memory.turn(turn);
+        self.course = self.course.plus(turn);
+        if let Some(motion) = &mut self.motion {
+            motion.displacement = motion.displacement.rotated(turn.direction());
         }
     }
 }
@@ -97,7 +110,13 @@ where
         let turret = &mut *self.turret;
         let goal = self.controller.goal();
         let thought = turret.places.think(&limits, &turret.memory, goal, SLICE);
-        turret.memory.correct_heading(turret.places.take_turn());
+        let turn = turret.places.take_turn();
+        if turn.as_signed_turns().unsigned_abs() > MOST_DRIFT {
+            turret.turn(turn);
+            // What it thought was about a ring that is askew.
+            return self.decide();
+        }
+        turret.memory.correct_heading(turn);
         match thought {
             Poll::Pending => Outputs::NONE,
             Poll::Ready(leg) => self.decide_on(leg),

@@ -101,11 +101,7 @@ pub fn run(
 /// Setup of an episode: all combinations of behavior and sonar model.
 fn setup(seed: u64, number: u64) -> Setup {
     let sonars = [SonarModel::Ideal, SonarModel::Nomad, SonarModel::Harsh];
-    let behaviors = [
-        Behavior::Avoid,
-        Behavior::WallLeft,
-        Behavior::Nest { tour: 0 },
-    ];
+    let behaviors = [Behavior::Avoid, Behavior::WallLeft, Behavior::NEST];
     let of = |number: u64| number as usize % 3;
     Setup {
         config: Config::recommended(),

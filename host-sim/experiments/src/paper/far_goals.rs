@@ -8,7 +8,7 @@ use arena::sources::{Light, Sources};
 use arena::world::World;
 use files::error::BadInput;
 use rayon::prelude::*;
-use sim::behavior::{Behavior, TOUR_STEPS};
+use sim::behavior::{Behavior, TOUR_STEPS, Tour};
 use sim::episode::{EpisodeReport, Setup, run};
 use sim::error::EpisodeError;
 use sim::robot::{AnyRobot, Ranges};
@@ -63,12 +63,18 @@ pub(super) fn measure(
         };
         (0..worlds).into_par_iter().map(one).collect()
     };
-    let tour = TOUR_STEPS;
+    let tour = Tour::of(TOUR_STEPS);
     Ok(FarGoals {
         led: drives(Behavior::Home { tour }, true)?,
         alone: drives(Behavior::Home { tour }, false)?,
-        carried: drives(Behavior::Nest { tour }, true)?,
-        new: drives(Behavior::Nest { tour: 0 }, true)?,
+        carried: drives(
+            Behavior::Nest {
+                tour,
+                is_turned: false,
+            },
+            true,
+        )?,
+        new: drives(Behavior::NEST, true)?,
         scent: drives(sought(SenseGoal::Scent), true)?,
         dark: drives(sought(SenseGoal::Before(Sense::Light)), true)?,
     })
@@ -78,7 +84,7 @@ pub(super) fn measure(
 fn sought(goal: SenseGoal) -> Behavior {
     Behavior::Sense {
         goal,
-        tour: TOUR_STEPS,
+        tour: Tour::of(TOUR_STEPS),
     }
 }
 

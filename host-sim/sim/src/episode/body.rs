@@ -26,6 +26,7 @@ use arena::sonar::{FIRING_ORDER, FIRING_SLOT_S, RING_PERIOD_S, Ring, SonarModel,
 use arena::world::{Point, Pose, World};
 use odometer::Odometer;
 use std::borrow::Cow;
+use std::f64::consts::PI;
 use std::sync::Arc;
 use step_result::collision;
 use units::meters;
@@ -368,6 +369,13 @@ impl<'w> Body<'w> {
     /// Places the robot at `position`, at rest, with the same heading.
     pub fn set_down_at(&mut self, position: Point) {
         self.set_down(Pose::new(position, self.base.pose().heading));
+    }
+
+    /// Turns the robot by a random angle; it does not perceive it.
+    pub fn turn_anywhere(&mut self) {
+        let pose = self.base.pose();
+        let heading = pose.heading + self.noise.uniform_in(-PI, PI);
+        self.set_down(Pose::new(pose.position, heading));
     }
 
     /// Places the robot at the world's start, at rest.

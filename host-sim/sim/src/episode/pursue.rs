@@ -60,6 +60,9 @@ impl EpisodeRunner<'_> {
                 Some(place) => self.body.set_down_at(place),
                 None => self.body.set_down_elsewhere(nest),
             }
+            if behavior.is_turned() {
+                self.body.turn_anywhere();
+            }
         }
         if setup.second_robot || behavior.has_leader() {
             self.body.add_leader();
@@ -131,16 +134,11 @@ impl EpisodeRunner<'_> {
         setup: &Setup,
         mut progress: impl FnMut(u32),
     ) -> Result<(), EpisodeError> {
-        let steps = setup.behavior.tour().unwrap_or(0);
+        let steps = setup.behavior.tour().map_or(0, |tour| tour.steps);
         if steps == 0 {
             return Ok(());
         }
-        // For what is sought it may have to go anywhere; home is by the ways that it knows.
-        let aim = match setup.behavior {
-            Behavior::Sense { .. } => Aim::Everywhere,
-            _ => Aim::Frontier,
-        };
-        pilot.lead_to(Some(aim))?;
+        pilot.lead_to(setup.behavior.tour_aim())?;
         self.command(pilot, Command::Seek(Goal::avoiding(&setup.config)))?;
         self.drive(pilot, |now| now.steps >= steps, &mut progress)?;
         self.next_phase(self.world);

@@ -86,7 +86,7 @@ impl StepRecorder {
             goal_place,
             robot_radius_m,
             exploration: self.earlier,
-            has_toured: setup.behavior.tour().is_some_and(|steps| steps > 0),
+            has_toured: setup.behavior.tour().is_some_and(|tour| tour.steps > 0),
             seeking: self.steps,
             situation_map: MapRecord::new(state.situations(), &situations),
             change_map: MapRecord::new(state.actions().changes(), &sampled_changes(state)),

@@ -1,5 +1,5 @@
 use super::*;
-use crate::behavior::Behavior;
+use crate::behavior::{Behavior, Tour};
 use crate::episode::{Body, EpisodeReport, Setup, run, run_with};
 use crate::robot::{AnyRobot, Ranges};
 use crate::turret_pilot::TurretController;
@@ -12,7 +12,10 @@ use arena::world::{Point, World};
 
 fn behavior(name: &str, tour: u32) -> Behavior {
     match name.parse().expect("a behavior") {
-        Behavior::Sense { goal, .. } => Behavior::Sense { goal, tour },
+        Behavior::Sense { goal, .. } => Behavior::Sense {
+            goal,
+            tour: Tour::of(tour),
+        },
         other => other,
     }
 }
@@ -130,7 +133,13 @@ fn a_robot_that_does_not_know_where_it_is_records_nothing() {
         ..Sources::default()
     });
     let world = world.expect("a source");
-    let setup = setup(Behavior::Nest { tour: 300 }, SonarModel::Ideal);
+    let setup = setup(
+        Behavior::Nest {
+            tour: Tour::of(300),
+            is_turned: false,
+        },
+        SonarModel::Ideal,
+    );
     let mut controller = TurretController::new(setup.config.clone(), &p3dx());
     let episode = run_with(&world, &setup, &mut controller, |_, _, _| {}).expect("it drives");
     assert_eq!(episode.report.success, 1.0);
@@ -167,7 +176,9 @@ fn a_robot_that_seeks_something_looks_everywhere_on_its_tour() {
         turret.places().positions().len()
     };
     let everywhere = places(behavior("floor:red", tour));
-    let home = places(Behavior::Home { tour });
+    let home = places(Behavior::Home {
+        tour: Tour::of(tour),
+    });
     assert!(everywhere > home + 20, "{everywhere} {home}");
 }
 

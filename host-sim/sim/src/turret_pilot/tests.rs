@@ -1,5 +1,5 @@
 use super::TurretController;
-use crate::behavior::Behavior;
+use crate::behavior::{Behavior, Tour};
 use crate::episode::{Episode, Setup, run, run_with};
 use crate::robot::{AnyRobot, Miswiring, Origin, Ranges};
 use amp::config::Config;
@@ -137,7 +137,9 @@ fn a_robot_led_by_its_places_comes_home() {
         let model = RobotModel::builtin("p3dx").expect("built in");
         let robot = AnyRobot::new(model, Ranges::Nomad, false).expect("it fits");
         let setup = Setup {
-            behavior: Behavior::Home { tour },
+            behavior: Behavior::Home {
+                tour: Tour::of(tour),
+            },
             ..setup(robot, SonarModel::Ideal, 200, seed)
         };
         let world = World::random2(seed);
@@ -155,7 +157,10 @@ fn a_robot_that_knows_the_world_finds_out_where_it_was_set_down() {
         let model = RobotModel::builtin("p3dx").expect("built in");
         let robot = AnyRobot::new(model, Ranges::Nomad, false).expect("it fits");
         let setup = Setup {
-            behavior: Behavior::Nest { tour: 300 },
+            behavior: Behavior::Nest {
+                tour: Tour::of(300),
+                is_turned: false,
+            },
             ..setup(robot, SonarModel::Ideal, 400, seed)
         };
         let world = World::random2(seed);
@@ -165,16 +170,42 @@ fn a_robot_that_knows_the_world_finds_out_where_it_was_set_down() {
     }
 }
 
-/// A robot of this model drives around in a room for 500 steps, and home.
-fn home(name: &str, ranges: Ranges, has_guard: bool, sonar: SonarModel, room: u64) -> Episode {
+/// If it takes its heading to be the one of before it drives for more than 30 m.
+#[test]
+fn a_robot_that_was_turned_as_well_finds_out_which_way_it_faces() {
+    for (seed, sonar) in [
+        (200, SonarModel::Ideal),
+        (203, SonarModel::Ideal),
+        (207, SonarModel::Nomad),
+    ] {
+        let model = RobotModel::builtin("p3dx").expect("built in");
+        let robot = AnyRobot::new(model, Ranges::Own, false).expect("it fits");
+        let setup = Setup {
+            behavior: Behavior::Nest {
+                tour: Tour::of(300),
+                is_turned: true,
+            },
+            ..setup(robot, sonar, 600, seed)
+        };
+        let episode = run(&World::random(seed), &setup, |_, _, _| {}).expect("it drives");
+        let report = episode.report;
+        assert_eq!((report.success, report.contacts), (1.0, 0), "{seed}");
+        assert!(report.distance_m < 25.0, "{seed}: {} m", report.distance_m);
+    }
+}
+
+/// A robot of this model drives around for 500 steps, and home.
+fn home(name: &str, ranges: Ranges, has_guard: bool, sonar: SonarModel, world: &World) -> Episode {
     let model = RobotModel::builtin(name).expect("built in");
     let robot = AnyRobot::new(model, ranges, has_guard).expect("it fits");
     let setup = Setup {
-        behavior: Behavior::Home { tour: 500 },
+        behavior: Behavior::Home {
+            tour: Tour::of(500),
+        },
         ..setup(robot, sonar, 1_000, 1)
     };
-    let episode = run(&World::random(room), &setup, |_, _, _| {}).expect("it drives");
-    assert_eq!(episode.report.success, 1.0, "{room}");
+    let episode = run(world, &setup, |_, _, _| {}).expect("it drives");
+    assert_eq!(episode.report.success, 1.0, "{}", world.name());
     episode
 }
 
@@ -183,7 +214,13 @@ fn home(name: &str, ranges: Ranges, has_guard: bool, sonar: SonarModel, room: u6
 fn a_robot_with_a_guard_is_led_where_the_guard_lets_it_go() {
     let rooms = [227, 229].into_iter();
     let steps = rooms.map(|room| {
-        let episode = home("p3dx", Ranges::Nomad, true, SonarModel::Ideal, room);
+        let episode = home(
+            "p3dx",
+            Ranges::Nomad,
+            true,
+            SonarModel::Ideal,
+            &World::random(room),
+        );
         episode.report.steps
     });
     let steps = steps.sum::<u32>();
@@ -194,15 +231,27 @@ fn a_robot_with_a_guard_is_led_where_the_guard_lets_it_go() {
 #[test]
 fn a_robot_whose_wheels_slip_perceives_where_it_is() {
     for room in [208, 211, 234, 240] {
-        home("nomad200", Ranges::Own, true, SonarModel::Nomad, room);
+        home(
+            "nomad200",
+            Ranges::Own,
+            true,
+            SonarModel::Nomad,
+            &World::random(room),
+        );
     }
 }
 
-/// By the odometry's heading it comes home in none of these rooms.
+/// By the odometry's heading it comes home in none of these worlds.
 #[test]
 fn a_robot_whose_heading_drifts_perceives_which_way_it_faces() {
-    for room in [213, 222, 228, 234] {
-        home("p3dx", Ranges::Own, false, SonarModel::Nomad, room);
+    for seed in [201, 206, 245] {
+        home(
+            "p3dx",
+            Ranges::Own,
+            false,
+            SonarModel::Nomad,
+            &World::random2(seed),
+        );
     }
 }
 
@@ -213,7 +262,7 @@ fn a_robot_with_noisy_sonars_finds_its_nest_and_stays_there() {
         let model = RobotModel::builtin("p3dx").expect("built in");
         let robot = AnyRobot::new(model, Ranges::Nomad, true).expect("it fits");
         let setup = Setup {
-            behavior: Behavior::Nest { tour: 0 },
+            behavior: Behavior::NEST,
             seed: 1,
             ..setup(robot, SonarModel::Nomad, 1_000, seed)
         };
@@ -288,7 +337,7 @@ fn nests_found(geometry: Origin) -> usize {
         let robot = AnyRobot::new(model, Ranges::Nomad, true).expect("it fits");
         let robot = robot.with_geometry(geometry).expect("it turns");
         let setup = Setup {
-            behavior: Behavior::Nest { tour: 0 },
+            behavior: Behavior::NEST,
             ..setup(robot, SonarModel::Ideal, 300, seed)
         };
         let world = rooms::small(seed);

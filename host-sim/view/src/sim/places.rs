@@ -111,7 +111,11 @@ impl Simulator {
     fn aside(&self) -> Option<(PlaceFrame, Displacement, u16)> {
         let places = self.controller.inner().led_turret()?.places();
         let (began, first) = places.aside()?;
-        Some((self.set_down?, began, first))
+        let frame = self.set_down?;
+        // It may have found out which way it faces.
+        let heading = self.frame_from_here().pose.heading;
+        let pose = Pose::new(frame.pose.position, heading);
+        Some((PlaceFrame { pose, ..frame }, began, first))
     }
 
     /// Where the robot takes a position to be that it has reached, or can reach from there.
@@ -134,18 +138,17 @@ impl Simulator {
     /// alone.
     pub(super) fn lead(&mut self) -> Result<(), CommandRefused> {
         let sought = self.goal.sought();
-        let may_go_anywhere = self.goal.is_touring() && sought.is_some();
         let pilot = self.controller.pilot();
         let told = pilot.seek_sense(sought.filter(|_| !self.goal.is_touring()));
         told.map_err(|error| CommandRefused(error.to_string()))?;
-        let aim = if may_go_anywhere {
-            Aim::Everywhere
+        let aim = if self.goal.is_touring() {
+            let aim = self.goal.tour_aim();
+            let led = self.controller.pilot().lead_if_it_can(aim);
+            return led.map_err(|error| error.to_string().into());
         } else if sought.is_some() {
             // What it senses leads it.
             self.sense();
             return Ok(());
-        } else if self.goal.is_touring() {
-            Aim::Frontier
         } else if let Some(place) = self.goal.position() {
             Aim::Position(self.frame.to_frame(place))
         } else if self.goal.is_nest() && self.frame.begins_at_home {

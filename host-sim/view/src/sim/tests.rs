@@ -2,7 +2,7 @@ use super::*;
 use crate::command::Reset;
 use arena::sonar::SonarModel;
 use remote::link::{InProcessNode, Session};
-use sim::behavior::Behavior;
+use sim::behavior::{Behavior, Tour};
 use sim::episode;
 use sim::pilot::LocalController;
 

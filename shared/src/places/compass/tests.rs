@@ -81,3 +81,50 @@ fn it_hears_walls_for_days() {
     let errors = (0..10).map(|_| robot.goes(0.0, &[0.0; 100]));
     assert!(errors.last() < Some(2.0));
 }
+
+#[test]
+fn walls_tell_a_robot_that_was_turned_which_way_it_faces_but_for_right_angles() {
+    for turned in [-170.0, -44.0, -20.0, 0.0, 3.0, 31.0, 44.0, 100.0] {
+        let mut robot = Drifting::default();
+        for _ in 0..20 {
+            robot.goes(0.0, &[10.0, 100.0]);
+        }
+        let compass = robot.compass.as_mut().expect("it has gone");
+        compass.forget_heading();
+        assert_eq!(compass.align(), None);
+        let known = compass.known;
+        robot.error_deg = turned;
+        let mut turns = (0..20).map(|_| {
+            robot.goes(0.0, &[10.0, -80.0]);
+            let compass = robot.compass.as_mut().expect("it has gone");
+            // As long as it faces anywhere it learns nothing of walls.
+            assert!(compass.is_aligned() || compass.known == known);
+            compass.align()
+        });
+        let turn = turns.find_map(|turn| turn).expect("it hears walls");
+        let left = (turned - as_degrees(turn.as_signed_turns())) / 90.0;
+        assert!((left - left.round()).abs() < 0.03, "{turned}: {turn:?}");
+        robot.corrected += turn.as_signed_turns();
+        for _ in 0..10 {
+            robot.goes(0.0, &[10.0, -80.0]);
+        }
+        let left = (turned - as_degrees(robot.corrected)) / 90.0;
+        assert!((left - left.round()).abs() < 0.02, "{turned}: {left}");
+    }
+}
+
+#[test]
+fn without_walls_it_may_face_anywhere() {
+    let mut robot = Drifting::default();
+    robot.goes(0.0, &[10.0]);
+    robot
+        .compass
+        .as_mut()
+        .expect("it has gone")
+        .forget_heading();
+    for _ in 0..50 {
+        robot.goes(0.0, &[]);
+    }
+    let mut compass = robot.compass.expect("it has gone");
+    assert!(compass.align().is_none() && !compass.is_aligned());
+}

@@ -1,10 +1,11 @@
 //! A robot that was set down elsewhere.
 
 use super::*;
-use crate::places::lost::{Guess, Lost};
+use crate::places::elsewhere::{Elsewhere, Guess};
+use crate::places::lost::Lost;
 
 /// Two rooms that are mirror images of each other but for a closet.
-const CLOSET: [[f64; 4]; 7] = [
+pub(super) const CLOSET: [[f64; 4]; 7] = [
     TWO_ROOMS[0],
     TWO_ROOMS[1],
     TWO_ROOMS[2],
@@ -13,11 +14,12 @@ const CLOSET: [[f64; 4]; 7] = [
     [1_200.0, -2_000.0, 1_200.0, -1_200.0],
     [1_200.0, -1_200.0, 2_000.0, -1_200.0],
 ];
-const HOME: Aim = Aim::Position(Displacement::ZERO);
+pub(super) const HOME: Aim = Aim::Position(Displacement::ZERO);
 
 /// Has been everywhere. It pursues something that was perceived nowhere.
 fn who_knows(walls: &Walls) -> Walker<'_, 256> {
     let mut walker = Walker::<256>::new(walls, (-1_000.0, -1_400.0));
+    walker.places.trust_heading(true);
     while walker.step(Aim::Frontier).is_some() {}
     walker
 }
@@ -79,7 +81,7 @@ fn it_finds_out_where_it_is_and_goes_home() {
             assert!(steps < 90, "{x} {y}");
         }
         assert!(walker.error_mm(start) < 60.0, "{:?}", walker.start);
-        assert!(!walker.places.lost.was_set_down);
+        assert!(walker.places.lost.first_uncertain().is_none());
     }
 }
 
@@ -110,7 +112,7 @@ fn where_it_has_never_been_it_drives_around_and_looks_for_the_situation_then() {
         ..who_knows(&TWO_ROOMS)
     };
     walker.set_down(0.0, 0.0);
-    let aim = |walker: &Walker<'_>| walker.places.aim_while_lost(HOME, &walker.goal);
+    let aim = |walker: &mut Walker<'_>| walker.places.aim_while_lost(HOME, &walker.goal);
     assert_eq!(aim(walker), Aim::Frontier);
     let mut steps = 0;
     while aim(walker) == Aim::Frontier {
@@ -151,11 +153,12 @@ fn believing(score: i16, other: i16) -> Places<16, 256> {
     let mut places = who_knows(&CLOSET).places;
     places.set_down();
     places.lost.believes = true;
-    let guesses = [(to(0, 0), score), (to(900, 0), other)];
-    places.lost.guesses = guesses
-        .into_iter()
-        .map(|(shift, score)| Guess { shift, score })
-        .collect();
+    let guesses = [(to(0, 0), score), (to(900, 0), other)].into_iter();
+    let guess = |(shift, score)| Guess {
+        at: Elsewhere { quarters: 0, shift },
+        score,
+    };
+    places.lost.guesses = guesses.map(guess).collect();
     places.believe();
     places
 }
@@ -192,7 +195,7 @@ fn after_a_wrong_belief_it_is_where_it_has_gone_since_it_was_set_down() {
 #[test]
 fn a_robot_that_does_not_get_on_doubts() {
     let mut doubting = believing(150, 0);
-    doubting.lost.doubt();
+    doubting.lost.doubt(doubting.here);
     let scores = doubting.lost.guesses.iter().map(|guess| guess.score);
     assert!(scores.eq([50, 0]));
 }
@@ -200,6 +203,7 @@ fn a_robot_that_does_not_get_on_doubts() {
 #[test]
 fn a_full_memory_forgets_what_it_found_since() {
     let mut walker = Walker::<40>::new(&CLOSET, (-1_000.0, -1_400.0));
+    walker.places.trust_heading(true);
     while walker.places.positions().len() < 40 {
         walker.step(Aim::Frontier);
     }

@@ -198,3 +198,25 @@ fn one_whose_motion_ends_hears_a_whole_ring_before_it_thinks_again() {
     rig.ring([2_000; 16]);
     assert!(rig.think_to_the_end().motion.is_some());
 }
+
+#[test]
+fn one_that_faces_elsewhere_goes_on_where_it_was_going() {
+    let mut rig = Rig::new(None);
+    rig.ring([2_000; 16]);
+    let motion = rig.think_to_the_end().motion.expect("it goes");
+    let left = |rig: &Rig| {
+        let in_frame = rig.turret.motion.expect("it goes").displacement;
+        in_frame.rotated(
+            Bearing::ZERO
+                .minus(rig.turret.memory().heading())
+                .direction(),
+        )
+    };
+    let before = left(&rig);
+    assert!(before.minus(motion.displacement).is_shorter_than(3));
+    rig.turret.turn(Bearing::of_place(3, 10));
+    assert!(left(&rig).minus(before).is_shorter_than(3));
+    let course = rig.turret.motion.expect("it goes").displacement.bearing();
+    let off = course.minus(rig.turret.course).as_signed_turns();
+    assert!(off.unsigned_abs() < 200, "{off}");
+}

@@ -67,8 +67,10 @@ pub fn count(watch: &Stopwatch, map: &mut Map) -> PlaceCounts {
             robot.lead_everywhere(&[wall(), spiral(400, 4)]);
         }
     }
-    for points in &around {
-        robot.set_down(points);
+    for has_compass in [true, false] {
+        for points in around.iter().chain(&[wall()]) {
+            robot.set_down(points, has_compass);
+        }
     }
     robot.counts
 }
@@ -134,8 +136,8 @@ impl MappedRobot<'_> {
     }
 
     /// It does not know where it is, and what it perceives was perceived at many places.
-    fn set_down(&mut self, points: &PointMemory<256>) {
-        self.map.trust_heading(false);
+    fn set_down(&mut self, points: &PointMemory<256>, has_compass: bool) {
+        self.map.trust_heading(has_compass);
         self.map.set_down();
         for step in 0..40 {
             let view = core::array::from_fn(|sector| 90 + (step + sector) as u8);

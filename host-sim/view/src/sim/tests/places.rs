@@ -28,7 +28,12 @@ pub(super) fn start(sonar: SonarModel, behavior: Behavior) -> SimulatorStart {
 }
 
 fn simulator(sonar: SonarModel, tour: u32) -> Simulator {
-    let start = start(sonar, Behavior::Home { tour });
+    let start = start(
+        sonar,
+        Behavior::Home {
+            tour: Tour::of(tour),
+        },
+    );
     Simulator::new(start, ControllerPlace::Host, None).unwrap()
 }
 
@@ -80,7 +85,7 @@ pub(super) fn assert_driven_as_in_an_episode(sonar: SonarModel, behavior: &Behav
     }
     let wanted: Vec<_> = recorded.iter().map(|step| step.pose.position).collect();
     // After the tour, and the decision with which it ends. One more tells that it is there.
-    let tour = behavior.tour().unwrap() as usize;
+    let tour = behavior.tour().unwrap().steps as usize;
     let name = behavior.name();
     assert_eq!(driven.len(), tour + 2 + wanted.len(), "{name}");
     assert_eq!(driven[tour + 1..][..wanted.len()], wanted, "{name}");
@@ -91,7 +96,12 @@ pub(super) fn assert_driven_as_in_an_episode(sonar: SonarModel, behavior: &Behav
 #[test]
 fn home_on_the_page_is_home_in_an_episode() {
     for sonar in [SonarModel::Ideal, SonarModel::Nomad] {
-        assert_driven_as_in_an_episode(sonar, &Behavior::Home { tour: 150 });
+        assert_driven_as_in_an_episode(
+            sonar,
+            &Behavior::Home {
+                tour: Tour::of(150),
+            },
+        );
     }
 }
 

@@ -17,7 +17,10 @@ fn simulator(sonar: SonarModel, name: &str, steps: u32) -> Simulator {
 
 fn behavior(name: &str, steps: u32) -> Behavior {
     match name.parse().unwrap() {
-        Behavior::Sense { goal, .. } => Behavior::Sense { goal, tour: steps },
+        Behavior::Sense { goal, .. } => Behavior::Sense {
+            goal,
+            tour: Tour::of(steps),
+        },
         other => other,
     }
 }
