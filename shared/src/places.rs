@@ -19,10 +19,10 @@ use crate::scan::Encoding;
 use crate::units::{Bearing, Displacement};
 
 mod compass;
-mod elsewhere;
 mod follow;
 mod graph;
 mod ground;
+mod guess;
 mod locate;
 mod lost;
 mod recall;

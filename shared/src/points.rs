@@ -188,7 +188,7 @@ impl<const POINTS: usize> PointMemory<POINTS> {
 
     /// The robot faces this much farther to the left than it thought, and always did: all that it
     /// heard stands there as well.
-    pub(crate) fn turn(&mut self, turn: Bearing) {
+    pub(crate) fn turn_frame(&mut self, turn: Bearing) {
         let direction = turn.direction();
         for point in &mut self.points {
             point.at = point.at.rotated(direction);

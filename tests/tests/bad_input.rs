@@ -80,6 +80,7 @@ const CASES: &[Case] = &[
     ("run --behavior home --log a.mcap", &["--log", "home"]),
     ("run --behavior home --mind qemu", &["--mind", "home"]),
     ("run --robot p3dx --tour 5", &["--tour", "home"]),
+    ("run --robot p3dx --tour-by avoid", &["--tour-by", "home"]),
     ("run --robot p3dx --turned", &["--turned", "nest"]),
     (
         "run --robot p3dx --ranges nomad --behavior nest --turned",

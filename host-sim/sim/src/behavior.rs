@@ -84,7 +84,7 @@ pub enum Behavior {
     Sense {
         /// What is sought.
         goal: SenseGoal,
-        /// Before it goes back.
+        /// Before it goes there.
         tour: Tour,
     },
     /// Follow another robot.
@@ -229,7 +229,10 @@ impl Behavior {
     /// Driving around before the behavior, of one that may begin so.
     #[must_use]
     pub fn tour(&self) -> Option<Tour> {
-        self.clone().tour_mut().copied()
+        match self {
+            Self::Nest { tour, .. } | Self::Home { tour } | Self::Sense { tour, .. } => Some(*tour),
+            _ => None,
+        }
     }
 
     /// As [`tour`](Self::tour), to be changed.

@@ -166,22 +166,18 @@ impl SetupArgs {
 
     fn behavior(&self) -> Result<Behavior, BadInput> {
         let mut behavior = self.task.behavior.clone();
-        let flag = match (self.tour, self.tour_by) {
-            (Some(_), _) => "--tour",
-            (None, Some(_)) => "--tour-by",
-            (None, None) => "",
-        };
         match behavior.tour_mut() {
             Some(tour) => {
                 tour.steps = self.tour.unwrap_or(tour.steps);
                 tour.by = self.tour_by.map_or(tour.by, Into::into);
             }
-            None if flag.is_empty() => {}
-            None => {
-                return Err(BadInput::new(format!(
-                    "{flag}: only with --behavior home, nest, scent:…, light:… or floor:…"
-                )));
+            None if self.tour.is_some() || self.tour_by.is_some() => {
+                return Err(BadInput::new(
+                    "--tour and --tour-by: only with --behavior home, nest, scent:…, light:… or \
+                     floor:…",
+                ));
             }
+            None => {}
         }
         if self.turned {
             match &mut behavior {

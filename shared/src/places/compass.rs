@@ -61,7 +61,8 @@ impl Compass {
         Bearing::from_turns(self.error.wrapping_neg().cast_unsigned())
     }
 
-    /// A heading around which nearly all probability is becomes the one that is expected. Returns
+    /// If the robot may face anywhere, a heading around which nearly all probability is becomes the
+    /// one that is expected. Returns
     /// by how much the robot faces farther to the left than it thought, at most half of a right
     /// angle to either side.
     pub(super) fn align(&mut self) -> Option<Bearing> {
@@ -71,7 +72,7 @@ impl Compass {
             headings.map(u32::from).sum()
         };
         let most = (0..PARTS).max_by_key(|heading| self.belief[*heading])?;
-        if around(most) < KNOWN {
+        if !self.is_unknown || around(most) < KNOWN {
             return None;
         }
         let parts = (most + PARTS - PARTS_ASIDE) % PARTS;

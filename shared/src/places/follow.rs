@@ -1,7 +1,7 @@
 //! What a robot that was set down elsewhere perceives speaks for its guesses, or against them.
 
 use super::Places;
-use super::elsewhere::{Elsewhere, Guess, QUARTERS};
+use super::guess::{Guess, QUARTERS, Transform};
 use super::locate::nearer_things;
 use super::record::Record;
 use super::relocate::axes;
@@ -50,20 +50,20 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     }
 
     fn followed(&self, axes: &[Direction; SECTORS], index: usize) -> Option<Guess> {
-        let Guess { at, score } = *self.lost.guesses.get(index)?;
-        let position = at.of(self.here);
+        let Guess { transform, score } = *self.lost.guesses.get(index)?;
+        let position = transform.apply(self.here);
         let score = score - score / LEAK;
         let known = self.known_before().iter();
         let place = known.min_by_key(|record| record.distance_mm(position))?;
         let fit = (place.distance_mm(position) < AROUND_MM)
-            .then(|| self.best_fit(axes, place, position, at.quarters, NUDGE_MM))
+            .then(|| self.best_fit(axes, place, position, transform.quarters, NUDGE_MM))
             .flatten();
         Some(match fit {
             Some((fit_mm, position)) => Guess {
-                at: Elsewhere::between(self.here, position, at.quarters),
+                transform: Transform::taking(self.here, position, transform.quarters),
                 score: score.saturating_add(fit_mm - FITS_MM),
             },
-            None => Guess { at, score },
+            None => Guess { transform, score },
         })
     }
 
@@ -81,14 +81,14 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             };
             let fit = self.best_fit(&axes, place, place.at, quarters, BESIDE_MM);
             if let Some((_, position)) = fit.filter(|(fit_mm, _)| *fit_mm >= FITS_MM) {
-                let at = Elsewhere::between(self.here, position, quarters);
-                self.lost.guess(at, self.here);
+                let transform = Transform::taking(self.here, position, quarters);
+                self.lost.guess(transform, self.here);
             }
         }
         if last < places {
             return Stage::Seeds(last);
         }
-        self.has_compared();
+        self.end_comparison();
         Stage::Place
     }
 

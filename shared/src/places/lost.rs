@@ -9,7 +9,7 @@
 //! guess is one of the four headings as well. That is less to go by: a robot that has come to its
 //! goal and is not certain goes away and back before it stays.
 
-use super::elsewhere::{Elsewhere, Guess, QUARTERS, SAME_MM};
+use super::guess::{Guess, QUARTERS, SAME_MM, Transform};
 use super::recent::Recent;
 use super::record::Record;
 use super::stage::Stage;
@@ -24,12 +24,8 @@ const GUESSES: usize = 24;
 const ENOUGH: i16 = 300;
 /// The robot is certain from this score on.
 const CERTAIN: i16 = 400;
-/// A belief that has held for so far is certain as well, of a robot without a compass, millimeters.
-const PROVED_MM: u16 = 5_000;
 /// Times that it goes away and back to make sure.
 const DETOURS: u8 = 3;
-/// Walls tell the heading when they have been heard for so far, millimeters.
-const ALIGNED_MM: u16 = 1_000;
 /// Without a belief the heading is looked for anew after so far, millimeters.
 const ASKEW_MM: u16 = 30_000;
 /// A belief is given up at this score.
@@ -58,7 +54,7 @@ pub(super) struct Lost {
     began: Displacement,
     /// Since a view counted, millimeters.
     traveled_mm: u16,
-    /// Since it began to believe, or to look for its heading, millimeters.
+    /// Since it found its heading, or began to believe, millimeters.
     since_mm: u16,
     /// To make sure it goes to this place, and back.
     detour: Option<u16>,
@@ -111,12 +107,15 @@ impl Lost {
         self.traveled_mm = STRIDE_MM;
     }
 
-    pub(super) fn guess(&mut self, at: Elsewhere, here: Displacement) {
-        let is_same = |guess: &Guess| guess.at.is_near(&at, here, SAME_MM);
+    pub(super) fn guess(&mut self, transform: Transform, here: Displacement) {
+        let is_same = |guess: &Guess| guess.transform.is_near(&transform, here, SAME_MM);
         if self.guesses.iter().any(is_same) {
             return;
         }
-        if let Err(guess) = self.guesses.push(Guess { at, score: 0 }) {
+        if let Err(guess) = self.guesses.push(Guess {
+            transform,
+            score: 0,
+        }) {
             let worst = self.guesses.iter_mut().min_by_key(|guess| guess.score);
             if let Some(worst) = worst.filter(|worst| worst.score < 0) {
                 *worst = guess;
@@ -124,8 +123,8 @@ impl Lost {
         }
     }
 
-    fn end_if_certain(&mut self, score: i16, has_compass: bool) {
-        if score >= CERTAIN || !has_compass && self.since_mm >= PROVED_MM {
+    fn end_if_certain(&mut self, score: i16) {
+        if score >= CERTAIN {
             *self = Self::NOT;
         }
     }
@@ -133,7 +132,8 @@ impl Lost {
     /// The best guess, if it has half as much again as any that is elsewhere.
     fn clearly_best(&self, here: Displacement) -> Option<Guess> {
         let best = self.guesses.iter().max_by_key(|guess| guess.score)?;
-        let is_other = |guess: &&Guess| !guess.at.is_near(&best.at, here, 2 * SAME_MM);
+        let is_other =
+            |guess: &&Guess| !guess.transform.is_near(&best.transform, here, 2 * SAME_MM);
         let others = self.guesses.iter().filter(is_other);
         let next = others.map(|guess| guess.score).max().unwrap_or(0);
         (best.score >= ENOUGH && next <= best.score / 3 * 2).then_some(*best)
@@ -227,7 +227,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         };
         self.lost.believes = false;
         let aside = Displacement { dx_mm, dy_mm: 0 };
-        self.go_to(Elsewhere::between(self.lost.began, aside, 0));
+        self.jump(Transform::taking(self.lost.began, aside, 0));
     }
 
     /// Which way a robot faces that was set down elsewhere, but for right angles: after a while the
@@ -237,16 +237,12 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         if self.lost.first == 0 {
             return;
         }
-        if self.compass.is_aligned() {
-            let is_long = self.lost.is_resigned || self.lost.since_mm >= ASKEW_MM;
-            if !self.lost.believes && is_long {
-                self.compass.forget_heading();
-                self.begin_aside(Bearing::ZERO);
-            }
-        } else if self.lost.since_mm >= ALIGNED_MM
-            && let Some(turn) = self.compass.align()
-        {
+        let is_long = self.lost.is_resigned || self.lost.since_mm >= ASKEW_MM;
+        if let Some(turn) = self.compass.align() {
             self.begin_aside(turn);
+        } else if self.compass.is_aligned() && !self.lost.believes && is_long {
+            self.compass.forget_heading();
+            self.begin_aside(Bearing::ZERO);
         }
     }
 
@@ -258,17 +254,17 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         self.lost.began = self.here.minus(way.rotated(turn.direction()));
         (self.lost.since_mm, self.lost.is_resigned) = (0, false);
         self.lost.guesses.clear();
-        self.go_to(Elsewhere::HERE);
+        self.jump(Transform::IDENTITY);
     }
 
-    /// It is elsewhere than it thought.
-    fn go_to(&mut self, at: Elsewhere) {
-        self.here = at.of(self.here);
-        self.lost.began = at.of(self.lost.began);
+    /// It is elsewhere than it thought. What it has found since it was set down is forgotten.
+    fn jump(&mut self, transform: Transform) {
+        self.here = transform.apply(self.here);
+        self.lost.began = transform.apply(self.lost.began);
         for guess in &mut self.lost.guesses {
-            guess.at = guess.at.seen_from(&at);
+            guess.transform = guess.transform.after(&transform);
         }
-        let turn = Bearing::of_place(at.quarters.into(), QUARTERS.into());
+        let turn = Bearing::of_place(transform.quarters.into(), QUARTERS.into());
         self.turn = self.turn.plus(turn);
         self.forget_uncertain();
         (self.frontier, self.frontier_age) = (None, 0);
@@ -291,12 +287,12 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         let here = self.here;
         match self.lost.clearly_best(here) {
             Some(guess) if self.lost.believes && guess.is_here(here) => {
-                self.lost.end_if_certain(guess.score, self.has_compass);
+                self.lost.end_if_certain(guess.score);
             }
             Some(guess) => {
                 (self.lost.believes, self.lost.since_mm) = (true, 0);
                 self.lost.detour = None;
-                self.go_to(guess.at);
+                self.jump(guess.transform);
             }
             None if self.lost.believes => {
                 let mut believed = self.lost.guesses.iter().filter(|guess| guess.is_here(here));
@@ -308,8 +304,8 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         }
     }
 
-    /// A view has been compared with all that is known: another counts after a while.
-    pub(super) fn has_compared(&mut self) {
+    /// A view has been compared with all that is known: another one counts after a while.
+    pub(super) fn end_comparison(&mut self) {
         self.lost.traveled_mm = 0;
         if !self.has_compass {
             self.lost.quarters = (self.lost.quarters + 1) % QUARTERS;
@@ -317,7 +313,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         self.believe();
     }
 
-    /// Whether a view counts.
+    /// Whether a view counts by now.
     pub(super) const fn may_compare(&self) -> bool {
         self.lost.traveled_mm >= STRIDE_MM
     }

@@ -165,8 +165,9 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     /// A robot that was set down elsewhere has to find out where; with `otherwise` goes on what any
     /// other one thinks.
     fn whether_lost(&self, otherwise: Stage) -> Stage {
+        let is_aligned = self.has_compass || self.compass.is_aligned();
         match self.lost.first_uncertain() {
-            Some(_) if self.compass.is_aligned() => Stage::Guesses(0),
+            Some(_) if is_aligned => Stage::Guesses(0),
             Some(_) => Stage::Place,
             None => otherwise,
         }

@@ -379,7 +379,7 @@ fn an_echo_that_ends_motions_frees_nothing_beyond_it() {
 fn what_was_heard_turns_with_a_robot_that_faces_elsewhere() {
     let mut memory = heard(&[(0.0, 900), (90.0, 600), (200.0, 1_200)]);
     let before = ranges(&memory);
-    memory.turn(degrees(90.0));
+    memory.turn_frame(degrees(90.0));
     assert_eq!(memory.heading(), degrees(90.0));
     let mut turned = before;
     turned.rotate_right(4);

@@ -49,8 +49,8 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
 
     /// The robot faces this much farther to the left than it thought: all that it heard stands
     /// there as well, and it goes there.
-    fn turn(&mut self, turn: Bearing) {
-        self.memory.turn(turn);
+    fn turn_frame(&mut self, turn: Bearing) {
+        self.memory.turn_frame(turn);
         self.course = self.course.plus(turn);
         if let Some(motion) = &mut self.motion {
             motion.displacement = motion.displacement.rotated(turn.direction());
@@ -112,7 +112,7 @@ where
         let thought = turret.places.think(&limits, &turret.memory, goal, SLICE);
         let turn = turret.places.take_turn();
         if turn.as_signed_turns().unsigned_abs() > MOST_DRIFT {
-            turret.turn(turn);
+            turret.turn_frame(turn);
             // What it thought was about a ring that is askew.
             return self.decide();
         }

@@ -1,5 +1,5 @@
 use super::TurretController;
-use crate::behavior::{Behavior, Tour};
+use crate::behavior::{Behavior, Tour, TourBy};
 use crate::episode::{Episode, Setup, run, run_with};
 use crate::robot::{AnyRobot, Miswiring, Origin, Ranges};
 use amp::config::Config;
@@ -207,6 +207,23 @@ fn home(name: &str, ranges: Ranges, has_guard: bool, sonar: SonarModel, world: &
     let episode = run(world, &setup, |_, _, _| {}).expect("it drives");
     assert_eq!(episode.report.success, 1.0, "{}", world.name());
     episode
+}
+
+#[test]
+fn a_robot_that_only_avoids_obstacles_on_its_tour_finds_fewer_places() {
+    let found = [TourBy::Frontier, TourBy::Avoid].map(|by| {
+        let model = RobotModel::builtin("p3dx").expect("built in");
+        let robot = AnyRobot::new(model, Ranges::Nomad, false).expect("it fits");
+        let tour = Tour { steps: 200, by };
+        let setup = Setup {
+            behavior: Behavior::Home { tour },
+            ..setup(robot.clone(), SonarModel::Ideal, 1, 3)
+        };
+        let mut controller = TurretController::new(setup.config.clone(), &robot);
+        run_with(&World::random2(3), &setup, &mut controller, |_, _, _| {}).expect("it drives");
+        controller.turret().places().positions().len()
+    });
+    assert!(found[0] > found[1] + 20, "{found:?}");
 }
 
 /// Its places are as far from everything as its guard wants it to be.

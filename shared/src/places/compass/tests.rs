@@ -128,3 +128,23 @@ fn without_walls_it_may_face_anywhere() {
     let mut compass = robot.compass.expect("it has gone");
     assert!(compass.align().is_none() && !compass.is_aligned());
 }
+
+/// Things askew are heard from two positions, walls from more.
+#[test]
+fn what_is_heard_twice_does_not_tell_a_heading() {
+    let mut robot = Drifting::default();
+    for _ in 0..20 {
+        robot.goes(0.0, &[10.0, 100.0]);
+    }
+    robot
+        .compass
+        .as_mut()
+        .expect("it has gone")
+        .forget_heading();
+    let mut aligned = (0..10).map(|_| {
+        robot.goes(0.0, &[40.0]);
+        let compass = robot.compass.as_mut().expect("it has gone");
+        compass.align().is_some()
+    });
+    assert!((3..8).contains(&aligned.position(|is_aligned| is_aligned).unwrap_or(10)));
+}

@@ -1,7 +1,7 @@
 //! A robot that was set down elsewhere.
 
 use super::*;
-use crate::places::elsewhere::{Elsewhere, Guess};
+use crate::places::guess::{Guess, Transform};
 use crate::places::lost::Lost;
 
 /// Two rooms that are mirror images of each other but for a closet.
@@ -25,22 +25,25 @@ fn who_knows(walls: &Walls) -> Walker<'_, 256> {
 }
 
 impl<const RECORDS: usize> Walker<'_, RECORDS> {
-    fn set_down(&mut self, x: f64, y: f64) {
+    pub(super) fn set_down(&mut self, x: f64, y: f64) {
         self.points.forget();
         self.places.set_down();
+        self.stand_at((x, y));
+    }
+
+    /// What it thinks of its position does not move it.
+    pub(super) fn stand_at(&mut self, (x, y): (f64, f64)) {
         let here = self.places.here();
         self.start = (x - f64::from(here.dx_mm), y - f64::from(here.dy_mm));
     }
 
-    /// A decision and its step. What it thinks of its position does not move it.
+    /// A decision and its step.
     fn step_lost(&mut self, aim: Aim) -> Option<Leg> {
         self.hear();
-        let before = self.places.here();
+        let position = self.position();
         let aim = self.places.aim_while_lost(aim, &self.goal);
         let leg = self.think(Purpose::Lead(aim));
-        let thought = self.places.here().minus(before);
-        self.start.0 -= f64::from(thought.dx_mm);
-        self.start.1 -= f64::from(thought.dy_mm);
+        self.stand_at(position);
         let step = leg?.way.shortened(250);
         self.points.moved(&PointLimits::NOMAD, step, Bearing::ZERO);
         self.places.moved(step);
@@ -155,7 +158,7 @@ fn believing(score: i16, other: i16) -> Places<16, 256> {
     places.lost.believes = true;
     let guesses = [(to(0, 0), score), (to(900, 0), other)].into_iter();
     let guess = |(shift, score)| Guess {
-        at: Elsewhere { quarters: 0, shift },
+        transform: Transform { quarters: 0, shift },
         score,
     };
     places.lost.guesses = guesses.map(guess).collect();

@@ -2,7 +2,7 @@
 
 use super::lost::{CLOSET, HOME};
 use super::*;
-use crate::places::elsewhere::Elsewhere;
+use crate::places::guess::Transform;
 use std::boxed::Box;
 use std::vec::Vec;
 
@@ -19,16 +19,10 @@ impl<const RECORDS: usize> Walker<'_, RECORDS> {
             [ax, ay, bx, by]
         });
         self.walls = Box::leak(Vec::from_iter(walls).into_boxed_slice());
-        self.points.turn(turn);
+        self.points.turn_frame(turn);
         // Its beams are given in its frame.
         self.points.correct_heading(Bearing::ZERO.minus(turn));
         self.stand_at(turned(before.0, before.1));
-    }
-
-    /// What it thinks of its position does not move it.
-    fn stand_at(&mut self, (x, y): (f64, f64)) {
-        let here = self.places.here();
-        self.start = (x - f64::from(here.dx_mm), y - f64::from(here.dy_mm));
     }
 
     /// A decision and its step; the leg, if there is one.
@@ -75,9 +69,7 @@ fn set_down(x: f64, y: f64, degrees: f64) -> Walker<'static> {
     while walker.step_turned(Aim::Frontier).is_some() {}
     let (off_mm, off_deg) = walker.error(START);
     assert!(off_mm < 120.0 && off_deg < 3.0, "{off_mm} {off_deg}");
-    walker.points.forget();
-    walker.places.set_down();
-    walker.stand_at((x, y));
+    walker.set_down(x, y);
     walker.turn(Bearing::from_turns(
         (degrees / 360.0 * 65_536.0) as i32 as u16,
     ));
@@ -122,7 +114,7 @@ fn slices_of_any_length_find_the_same_heading() {
 }
 
 #[test]
-fn who_has_found_nothing_for_long_looks_for_its_heading_anew() {
+fn who_has_been_everywhere_and_found_nothing_looks_for_its_heading_anew() {
     let mut walker = set_down(800.0, -1_000.0, 120.0);
     let mut aligned = Vec::new();
     // What it perceives fits nowhere.
@@ -132,8 +124,37 @@ fn who_has_found_nothing_for_long_looks_for_its_heading_anew() {
         aligned.push(walker.places.compass.is_aligned());
     }
     let changes = aligned.windows(2).filter(|pair| pair[0] != pair[1]).count();
-    // 30 m after it found it.
-    assert!(!aligned[0] && changes >= 3, "{changes}");
+    assert!(!aligned[0]);
+    assert!(changes >= 3, "{changes}");
+}
+
+#[test]
+fn who_has_found_nothing_for_30_m_looks_for_its_heading_anew() {
+    let mut walker = set_down(800.0, -1_000.0, 120.0);
+    while !walker.places.compass.is_aligned() {
+        walker.step_turned(HOME);
+    }
+    for (way_m, is_aligned) in [(29, true), (30, false)] {
+        let before = walker.places.lost.clone();
+        for _ in 0..way_m {
+            walker.places.moved(to(500, 0));
+            walker.places.moved(to(-500, 0));
+        }
+        walker.places.lost.guesses.clear();
+        walker.think(Purpose::Perceive);
+        assert_eq!(walker.places.compass.is_aligned(), is_aligned, "{way_m} m");
+        walker.places.lost = before;
+    }
+}
+
+#[test]
+fn who_gets_a_compass_compares_what_it_perceives_at_once() {
+    let mut walker = set_down(800.0, -1_000.0, 0.0);
+    walker.step_turned(HOME);
+    assert!(walker.places.lost.guesses.is_empty());
+    walker.places.trust_heading(true);
+    walker.step_turned(HOME);
+    assert!(!walker.places.lost.guesses.is_empty());
 }
 
 #[test]
@@ -164,20 +185,20 @@ fn who_is_not_certain_at_its_goal_goes_away_and_back_three_times() {
 
 #[test]
 fn a_guess_stays_where_it_is_when_another_one_is_believed() {
-    let all = (0..4).map(|quarters| Elsewhere {
+    let all = (0..4).map(|quarters| Transform {
         quarters,
         shift: to(700 * i16::from(quarters), -300),
     });
     let here = to(120, 450);
     for believed in all.clone() {
         for guess in all.clone() {
-            let seen = guess.seen_from(&believed);
-            assert_eq!(seen.of(believed.of(here)), guess.of(here));
-            assert_eq!((believed.quarters + seen.quarters) % 4, guess.quarters);
+            let left = guess.after(&believed);
+            assert_eq!(left.apply(believed.apply(here)), guess.apply(here));
+            assert_eq!((believed.quarters + left.quarters) % 4, guess.quarters);
         }
-        assert!(believed.seen_from(&believed) == Elsewhere::HERE);
-        let between = Elsewhere::between(here, believed.of(here), believed.quarters);
-        assert!(between == believed);
+        assert!(believed.after(&believed) == Transform::IDENTITY);
+        let taking = Transform::taking(here, believed.apply(here), believed.quarters);
+        assert!(taking == believed);
     }
     // To the left: ahead becomes to the left.
     assert_eq!(to(200, 100).turned_left(1), to(-100, 200));

@@ -214,7 +214,7 @@ fn one_that_faces_elsewhere_goes_on_where_it_was_going() {
     };
     let before = left(&rig);
     assert!(before.minus(motion.displacement).is_shorter_than(3));
-    rig.turret.turn(Bearing::of_place(3, 10));
+    rig.turret.turn_frame(Bearing::of_place(3, 10));
     assert!(left(&rig).minus(before).is_shorter_than(3));
     let course = rig.turret.motion.expect("it goes").displacement.bearing();
     let off = course.minus(rig.turret.course).as_signed_turns();

@@ -245,6 +245,39 @@ fn a_robot_that_knows_enough_finds_out_where_it_was_set_down() {
     assert!(place.distance(home) < 0.3, "{place:?} {home:?}");
 }
 
+/// Without a compass it finds out its heading; what it finds meanwhile is drawn where it is.
+#[test]
+fn what_a_robot_that_was_turned_finds_is_drawn_around_it() {
+    let tour = Tour::of(150);
+    let mut start = start(SonarModel::Ideal, Behavior::Home { tour });
+    let model = RobotModel::builtin("p3dx").unwrap();
+    start.setup.robot = Some(AnyRobot::new(model, Ranges::Own, false).unwrap());
+    let mut simulator = Simulator::new(start, ControllerPlace::Host, None).unwrap();
+    educate(&mut simulator);
+    simulator.execute(&PageCommand::Seek).unwrap();
+    while simulator.snapshot().now.goal.tour != Some([150, 150]) {
+        decide(&mut simulator, 1);
+    }
+    let known = count(&places(&mut simulator), "places");
+    let Point { x, y } = simulator.start.world.start().position;
+    simulator.execute(&PageCommand::MoveRobot { x, y }).unwrap();
+    simulator.body.turn_anywhere();
+    let mut drawn = 0;
+    while seeks(&simulator) && drawn < 20 {
+        let here = decide(&mut simulator, 1)[0];
+        let now = places(&mut simulator);
+        let turret = simulator.controller.inner().led_turret().unwrap();
+        if turret.places().aside().is_none() || count(&now, "places") == known {
+            continue;
+        }
+        let newest = &now["places"][count(&now, "places") - 1];
+        let newest = Point::new(newest[0].as_f64().unwrap(), newest[1].as_f64().unwrap());
+        assert!(newest.distance(here) < 1.0, "{newest:?} {here:?}");
+        drawn += 1;
+    }
+    assert!(drawn > 5, "{drawn}");
+}
+
 #[test]
 fn a_robot_that_was_carried_begins_anew_where_it_was_set_down() {
     let mut simulator = simulator(SonarModel::Ideal, 0);
