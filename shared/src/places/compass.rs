@@ -62,9 +62,8 @@ impl Compass {
     }
 
     /// If the robot may face anywhere, a heading around which nearly all probability is becomes the
-    /// one that is expected. Returns
-    /// by how much the robot faces farther to the left than it thought, at most half of a right
-    /// angle to either side.
+    /// one that is expected. Returns by how much the robot faces farther to the left than it
+    /// thought, at most half of a right angle to either side.
     pub(super) fn align(&mut self) -> Option<Bearing> {
         let around = |heading: usize| -> u32 {
             let first = heading + PARTS - PARTS_ASIDE;
