@@ -174,6 +174,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         &self.mode
     }
 
+    /// What it knows of near things.
+    pub(crate) const fn shield_mut(&mut self) -> &mut Shield<SENSORS> {
+        &mut self.shield
+    }
+
     /// Whether the base has been sent on its way and has not reported its end.
     #[must_use]
     pub const fn is_moving(&self) -> bool {

@@ -32,7 +32,51 @@ pub(crate) fn until_contact((along, aside): (i32, i32), radius_mm: i32, limit: i
     along.wrapping_sub(half_chord as i32).max(0).min(limit)
 }
 
+/// As [`until_contact`], for a disc that may touch the point already: it may go beside it, where it
+/// comes no nearer than [`NEARER_MM`].
+pub(crate) fn until_contact_beside(place: (i32, i32), radius_mm: i32, limit: i32) -> i32 {
+    let (along, aside) = place;
+    let is_near = magnitude(along) < radius_mm && magnitude(aside) < radius_mm;
+    let radius_mm = if is_near {
+        let square = |mm: i32| mm.unsigned_abs().saturating_pow(2);
+        let distance = isqrt_u32(square(along).saturating_add(square(aside)));
+        radius_mm.min(distance as i32 - NEARER_MM)
+    } else {
+        radius_mm
+    };
+    until_contact(place, radius_mm, limit)
+}
+
+/// A disc beside a point comes nearer by as much, millimeters: rounding must not hold it.
+const NEARER_MM: i32 = 4;
+
 /// The amount of a number, one less for those below 0: a single instruction on the chip.
 pub(crate) const fn magnitude(value: i32) -> i32 {
     value ^ (value >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_disc_goes_beside_what_it_touches_and_comes_no_nearer() {
+        let until = |along, aside| until_contact_beside((along, aside), 319, 250);
+        // Outside, as any disc.
+        assert_eq!(until(400, 0), 81);
+        assert_eq!(until(0, 290), 250);
+        // 4 mm nearer to a thing at 290 mm, no more.
+        assert_eq!(until(46, 286), 250);
+        assert_eq!(until(60, 283), 27);
+        assert_eq!(until(290, 0), 4);
+        assert_eq!(until(-60, 283), 250, "behind");
+    }
+
+    #[test]
+    fn extreme_places_do_no_harm() {
+        for (along, aside) in [(65_534, 65_534), (46_341, -46_341), (1, 0), (0, 0)] {
+            let until = until_contact_beside((along, aside), i32::from(u16::MAX), 250);
+            assert!((0..=250).contains(&until));
+        }
+    }
 }

@@ -23,7 +23,8 @@ mod near;
 mod sectors;
 mod walls;
 
-use arc::{Arc, FreeBeam, Ray};
+pub(crate) use arc::Ray;
+use arc::{Arc, FreeBeam};
 pub(crate) use near::Lobe;
 pub(crate) use sectors::sector_at;
 use sectors::{keep_least, sectors_at, with_views};
@@ -189,12 +190,17 @@ impl<const POINTS: usize> PointMemory<POINTS> {
     /// The robot faces this much farther to the left than it thought, and always did: all that it
     /// heard stands there as well.
     pub(crate) fn turn_frame(&mut self, turn: Bearing) {
+        self.turn_points(turn);
+        self.correct_heading(turn);
+    }
+
+    /// All points stand this much farther to the left.
+    pub(crate) fn turn_points(&mut self, turn: Bearing) {
         let direction = turn.direction();
         for point in &mut self.points {
             point.at = point.at.rotated(direction);
             point.seen_from = point.seen_from.rotated(direction);
         }
-        self.correct_heading(turn);
     }
 
     /// As [`moved`](Self::moved); all points are kept.
@@ -213,9 +219,13 @@ impl<const POINTS: usize> PointMemory<POINTS> {
     /// Takes a reading: its beam shows free what lies before its echo, which is a new point. A
     /// sensor that hears nothing tells nothing: an echo may have gone astray on a smooth wall.
     pub fn hear(&mut self, limits: &PointLimits, beam: &Beam) {
-        let ray = self.ray(beam);
+        self.hear_along(limits, &self.ray(beam), beam.is_echo);
+    }
+
+    /// As [`hear`](Self::hear), in the frame of the start.
+    pub(crate) fn hear_along(&mut self, limits: &PointLimits, ray: &Ray, is_echo: bool) {
         let half_cone = limits.half_cone.direction();
-        let echo_mm = if beam.is_echo {
+        let echo_mm = if is_echo {
             limits.short_of_echo_mm.into()
         } else {
             0
@@ -226,7 +236,7 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         if self.points.is_full() {
             self.points.remove(0);
         }
-        let arc = if beam.is_echo {
+        let arc = if is_echo {
             // Four fifths of the cone.
             let edge_mm = half_cone.times(ray.range_mm).1;
             Arc::new(ray.axis, edge_mm * 2 / 5)
@@ -238,7 +248,7 @@ impl<const POINTS: usize> PointMemory<POINTS> {
     }
 
     /// A beam in the frame of the start.
-    fn ray(&self, beam: &Beam) -> Ray {
+    pub(crate) fn ray(&self, beam: &Beam) -> Ray {
         Ray {
             face: beam.mount.rotated(self.heading.direction()),
             axis: self.heading.plus(beam.axis).direction(),

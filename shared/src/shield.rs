@@ -22,14 +22,16 @@
 use crate::config::Config;
 use crate::disc::direction_of;
 use crate::fixed::{Mask, isqrt};
-use crate::points::{Beam, PointMemory};
+use crate::points::{Beam, Lobe, PointMemory, Ray};
 use crate::scan::Echo;
-use crate::units::{Bearing, Direction, Displacement, Millis};
+use crate::units::{Bearing, Direction, Displacement, Millis, Range};
 
 mod config;
 mod detour;
 
 pub use config::ShieldConfig;
+pub(crate) use config::shortest_possible_mm;
+pub(crate) use detour::best_detour;
 
 /// Points that it keeps, at most: four rings of 16.
 const POINTS: usize = 64;
@@ -117,10 +119,31 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         let beam = Beam {
             mount,
             axis: mount.bearing(),
-            range: limits.shortest_possible(range),
+            range: Range::from_mm(shortest_possible_mm(
+                range.as_mm(),
+                limits.least_range_mm,
+                limits.margin_mm,
+            )),
             is_echo: true,
         };
         self.points.hear_near(&limits.lobe(config), &beam);
+    }
+
+    /// Takes an echo for the guard of a body whose sensors stand anywhere, in the frame that ways
+    /// are told in.
+    pub(crate) fn hear_along(&mut self, lobe: &Lobe, ray: &Ray) {
+        self.points.hear_near_along(lobe, ray);
+    }
+
+    /// How far a disc of `radius_mm` may go along `way` for the guard of such a body, millimeters.
+    pub(crate) fn free_mm(&self, way: Displacement, radius_mm: u16) -> u16 {
+        self.points.free_beside_arcs_mm(way, radius_mm)
+    }
+
+    /// All that was heard stands this much farther to the left.
+    pub(crate) fn turn_frame(&mut self, turn: Bearing) {
+        // The frame is the one that beams come in.
+        self.points.turn_points(turn);
     }
 
     /// Time since a transducer was heard, milliseconds; `None` = never heard.

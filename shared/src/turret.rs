@@ -7,7 +7,7 @@
 //!
 //! A body that turns before it goes listens on the way: if something nearer than thought shows up
 //! where it is about to go, it decides again. A body with few sensors looks around before it
-//! decides. A guard ends motions short of any point.
+//! decides. A guard ends motions short of what was heard.
 
 use crate::actuation::{Actuation, Odometer};
 use crate::config::Config;
@@ -24,7 +24,7 @@ mod lead;
 mod replan;
 mod ring_controller;
 
-pub use body_spec::{BodySpec, Mount};
+pub use body_spec::{BodySpec, Guard, Mount};
 use guard::Hull;
 pub use ring_controller::RingController;
 
@@ -68,6 +68,8 @@ pub struct VirtualTurret<const SECTORS: usize, const POINTS: usize, const RECORD
     /// The controller's last motion.
     last_motion_id: u16,
     hull: Hull,
+    /// Decisions in a row for which the guard allowed none.
+    closed: u8,
 }
 
 impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize> Default
@@ -104,6 +106,7 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
             glances: 0,
             last_motion_id: 0,
             hull: Hull::NEW,
+            closed: 0,
         }
     }
 
@@ -117,7 +120,7 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
         (self.motion, self.course) = (None, Bearing::ZERO);
         (self.is_rolling, self.replans, self.knows_place) = (false, 0, false);
         (self.glance_since, self.glances, self.first_looks) = (None, 0, 0);
-        (self.last_motion_id, self.hull) = (0, Hull::NEW);
+        (self.last_motion_id, self.hull, self.closed) = (0, Hull::NEW, 0);
     }
 
     /// The points.
@@ -305,7 +308,9 @@ where
             range: seen,
             is_echo: range.is_some(),
         };
-        self.turret.memory.hear(&self.body.points, &beam);
+        let ray = self.turret.memory.ray(&beam);
+        self.hear_near(&ray, range);
+        (self.turret.memory).hear_along(&self.body.points, &ray, beam.is_echo);
     }
 
     /// A decision of a robot that stands, or a look around before it.
@@ -361,7 +366,7 @@ where
             }
             self.turret.glances = 0;
             let motion = Motion {
-                displacement: self.guarded(wanted.displacement),
+                displacement: self.guarded_or_detour(wanted.displacement),
                 ..wanted
             };
             self.turret.motion = Some(motion);

@@ -289,9 +289,7 @@ impl<P: Policy> RingPilot<P> {
     }
 
     fn odometry(&mut self, motion: u16, moved: Displacement, turned: Bearing, progress: Progress) {
-        if self.config.shield.is_some() {
-            self.shield.moved(moved, turned);
-        }
+        self.shield.moved(moved, turned);
         let way = meters(moved);
         let place = self.pose.position + way.turned(Point::unit(self.pose.heading));
         self.pose = Pose::new(place, wrap_angle(self.pose.heading + radians(turned)));
@@ -332,6 +330,10 @@ impl<P: Policy> Pilot for RingPilot<P> {
 impl<P: Policy> RingController<16> for RingPilot<P> {
     fn handle_ring(&mut self, _: &Config<16>, at: Millis, event: Event<16>) -> Outputs<16> {
         self.handle(at, event)
+    }
+
+    fn shield(&mut self) -> &mut Shield<16> {
+        &mut self.shield
     }
 
     fn is_moving(&self) -> bool {

@@ -39,8 +39,8 @@ pub struct AnyRobot {
     turret_follows: bool,
 }
 
-/// Distance that the guard keeps, as a share of the body's radius: 90 mm for the Nomad.
-const GUARD: f64 = 0.09 / COLLISION_RADIUS_M;
+/// Distance that the guard keeps, as a share of the body's radius: 70 mm for the Nomad.
+const GUARD: f64 = 0.07 / COLLISION_RADIUS_M;
 /// Fewest random moves of a robot that learns where its sensors look.
 pub const LEAST_MOVES: u16 = 20;
 /// Share of the random moves that teach nothing else than where the sensors look, %.
@@ -398,7 +398,9 @@ fn on_nomad(model: RobotModel) -> RobotModel {
 mod tests {
     use super::*;
     use amp::config::Config;
+    use amp::turret::Guard;
     use amp::units::Bearing;
+    use std::num::NonZeroU16;
 
     fn robot(name: &str, ranges: Ranges) -> AnyRobot {
         AnyRobot::new(RobotModel::builtin(name).unwrap(), ranges, true).unwrap()
@@ -421,8 +423,14 @@ mod tests {
     fn a_layout_on_the_nomads_body_has_its_size_and_range() {
         let robot = robot("epuck2", Ranges::Nomad);
         let body = robot.body();
-        assert_eq!((body.points.face_radius_mm, body.guard_mm), (231, Some(90)));
-        assert_eq!(robot.clone().with_margin(0.03).body().guard_mm, Some(30));
+        let guard = |margin_mm| {
+            Some(Guard {
+                margin_mm: NonZeroU16::new(margin_mm)?,
+                least_range_mm: 153,
+            })
+        };
+        assert_eq!((body.points.face_radius_mm, body.guard), (231, guard(70)));
+        assert_eq!(robot.clone().with_margin(0.03).body().guard, guard(30));
         assert_eq!(robot.sensing(SonarModel::Nomad), SonarConfig::nomad());
         let config = robot.config(Config::recommended());
         assert_eq!(config.robot.step_mm, 250);

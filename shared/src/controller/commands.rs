@@ -39,6 +39,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             }
             Command::Seek(goal) => {
                 self.search = SearchProgress::NEW;
+                self.forgive_pause(config, at);
                 Mode::Seek { goal }
             }
             Command::Stop => {

@@ -30,22 +30,40 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             self.now = at;
         } else if is_present && self.now.since(at) > patience_ms(config) {
             self.now = at;
-            self.deadline = at.plus_ms(SLACK_MS);
-            self.await_ring(at);
+            self.wait_anew(at);
         }
+    }
+
+    /// Whatever it waits for may take as long as if it had begun to wait now.
+    fn wait_anew(&mut self, at: Millis) {
+        self.deadline = at.plus_ms(SLACK_MS);
+        self.await_ring(at);
     }
 
     /// Stops a robot whose motion is overdue, or one of whose transducers has not been heard for
     /// two ring periods.
     pub(super) fn supervise(&mut self, config: &Config<SENSORS>, at: Millis) -> Outputs<SENSORS> {
+        match self.overdue(config, at) {
+            Some(reason) => self.alarm(at, reason),
+            None => Outputs::none(),
+        }
+    }
+
+    /// A robot that got no ticks for so long that the next one would stop it waits anew: it was
+    /// off, and perhaps carried elsewhere.
+    pub(super) fn forgive_pause(&mut self, config: &Config<SENSORS>, at: Millis) {
+        if self.overdue(config, at).is_some() {
+            self.wait_anew(at);
+        }
+    }
+
+    /// What the robot has waited for too long.
+    fn overdue(&self, config: &Config<SENSORS>, at: Millis) -> Option<StopReason> {
         if self.moving && self.deadline.is_before(at) {
-            return self.alarm(at, StopReason::Overdue);
+            return Some(StopReason::Overdue);
         }
         let is_late = at.after(self.waiting_since) > patience_ms(config);
-        if is_late && self.lacks_echo(config, at) {
-            return self.alarm(at, StopReason::RingIncomplete);
-        }
-        Outputs::none()
+        (is_late && self.lacks_echo(config, at)).then_some(StopReason::RingIncomplete)
     }
 
     /// A ring that is still awaited lacks an echo. During a motion each transducer has to be heard

@@ -89,13 +89,15 @@ impl Arc {
     }
 
     /// Distance until a disc that goes along `way` touches a place that no beam has shown free, at
-    /// most `limit`; `axis` is where the arc's axis is, from the disc's center.
+    /// most `limit`; `axis` is where the arc's axis is, from the disc's center. `contact` tells the
+    /// distance for one place.
     pub(super) fn until_contact(
         &self,
         axis: Displacement,
         way: Direction,
         radius_mm: i32,
         limit: i32,
+        contact: impl Fn((i32, i32), i32) -> i32,
     ) -> i32 {
         let (along, aside) = way.components(axis.dx_mm.into(), axis.dy_mm.into());
         if !self.is_in_way((along, aside), radius_mm, limit) {
@@ -108,7 +110,7 @@ impl Arc {
         left.fold(limit, |limit, (_, place)| {
             let place = i32::from(place);
             let at = (along + place * step_along, aside + place * step_aside);
-            until_contact(at, radius_mm, limit)
+            contact(at, limit)
         })
     }
 
@@ -176,13 +178,22 @@ impl Arc {
 }
 
 /// A beam, from the robot's center in the frame of the start.
-pub(super) struct Ray {
+#[derive(Clone, Copy)]
+pub(crate) struct Ray {
     pub(super) face: Displacement,
     pub(super) axis: Direction,
     pub(super) range_mm: i32,
 }
 
 impl Ray {
+    /// The same with another range, millimeters.
+    pub(crate) fn with_range(self, range_mm: u16) -> Self {
+        Self {
+            range_mm: range_mm.into(),
+            ..self
+        }
+    }
+
     /// Where its axis is so far from the face.
     pub(super) fn at(&self, distance_mm: i32) -> Displacement {
         let (x_mm, y_mm) = self.axis.times(distance_mm);

@@ -18,14 +18,8 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         ahead.map(|point| point.at.length_mm()).min()
     }
 
-    /// How far a disc of `radius_mm` may go from here along `way`, in the frame of the start,
-    /// before it touches a point; at most the way's length. Millimeters.
-    #[must_use]
-    pub fn free_mm(&self, way: Displacement, radius_mm: u16) -> u16 {
-        self.free_from_mm(Displacement::ZERO, way, radius_mm)
-    }
-
-    /// As [`free_mm`](Self::free_mm), from a position beside the robot.
+    /// How far a disc of `radius_mm` may go along `way`, in the frame of the start, from a position
+    /// beside the robot before it touches a point; at most the way's length. Millimeters.
     #[must_use]
     pub fn free_from_mm(&self, from: Displacement, way: Displacement, radius_mm: u16) -> u16 {
         let radius_mm = radius_mm.into();

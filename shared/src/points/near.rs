@@ -2,7 +2,8 @@
 //! lobe. Only near points are kept, as many as matter to the next steps.
 
 use super::arc::{Arc, FreeBeam};
-use super::{Beam, Point, PointMemory};
+use super::{Beam, Point, PointMemory, Ray};
+use crate::disc::{until_contact, until_contact_beside};
 use crate::units::{Bearing, Displacement};
 
 /// How wide a sensor hears, for echoes that are to end motions in time.
@@ -26,7 +27,11 @@ impl<const POINTS: usize> PointMemory<POINTS> {
     /// where there is no room the farthest goes. One echo alone frees nothing: it may be a stray
     /// one.
     pub(crate) fn hear_near(&mut self, lobe: &Lobe, beam: &Beam) {
-        let ray = self.ray(beam);
+        self.hear_near_along(lobe, &self.ray(beam));
+    }
+
+    /// As [`hear_near`](Self::hear_near), in the frame of the start.
+    pub(crate) fn hear_near_along(&mut self, lobe: &Lobe, ray: &Ray) {
         // The places stand on the chord of the lobe's arc, which is nowhere farther than the arc.
         let (chord_mm, edge_mm) = lobe.half.direction().times(ray.range_mm);
         let at = ray.at(chord_mm);
@@ -54,11 +59,23 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         }
     }
 
-    /// As [`free_mm`](Self::free_mm), before it touches any place where what returned an echo may
-    /// stand.
+    /// As [`free_from_mm`](Self::free_from_mm), from here, before it touches any place where what
+    /// returned an echo may stand.
     pub(crate) fn free_of_arcs_mm(&self, way: Displacement, radius_mm: u16) -> u16 {
+        let radius_mm = radius_mm.into();
         self.until_contact_mm(way, |point, direction, free| {
-            (point.arc).until_contact(point.at, direction, radius_mm.into(), free)
+            let contact = |place, free| until_contact(place, radius_mm, free);
+            (point.arc).until_contact(point.at, direction, radius_mm, free, contact)
+        })
+    }
+
+    /// As [`free_of_arcs_mm`](Self::free_of_arcs_mm), for a disc that may go beside what it touches
+    /// already, where it comes no nearer than some millimeters.
+    pub(crate) fn free_beside_arcs_mm(&self, way: Displacement, radius_mm: u16) -> u16 {
+        let radius_mm = radius_mm.into();
+        self.until_contact_mm(way, |point, direction, free| {
+            let contact = |place, free| until_contact_beside(place, radius_mm, free);
+            (point.arc).until_contact(point.at, direction, radius_mm, free, contact)
         })
     }
 }

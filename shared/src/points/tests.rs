@@ -268,17 +268,17 @@ fn a_point_near_a_border_belongs_to_two_sectors() {
 #[test]
 fn the_way_ends_where_the_disc_touches_a_point() {
     let memory = heard(&[(0.0, 1_770)]);
-    let free = |x, y, radius_mm| memory.free_mm(way(x, y), radius_mm);
+    let free = |x, y, radius_mm| memory.free_from_mm(way(0, 0), way(x, y), radius_mm);
     assert_eq!(free(3_000, 0, 300), 1_700);
     assert_eq!(free(1_000, 0, 300), 1_000, "the point is farther");
     assert_eq!(free(-3_000, 0, 300), 3_000, "it is behind");
     assert_eq!(free(0, 0, 300), 0);
     // Past the point at 0.6 of the radius: the chord is 0.8 of it.
     let memory = heard(&[(90.0, 0)]);
-    assert_eq!(memory.free_mm(way(1_000, 0), 229), 1_000);
+    assert_eq!(memory.free_from_mm(way(0, 0), way(1_000, 0), 229), 1_000);
     let mut memory = memory;
     memory.moved(&LIMITS, way(-1_000, 50), Bearing::ZERO);
-    assert_eq!(memory.free_mm(way(2_000, 0), 300), 760);
+    assert_eq!(memory.free_from_mm(way(0, 0), way(2_000, 0), 300), 760);
 }
 
 /// A post left of the axis, and a beam that sees past it on the right.
@@ -288,12 +288,12 @@ fn a_beam_that_saw_past_a_thing_frees_what_is_beside_it() {
     let beside = way(2_500, -250);
     let likely = |memory: &PointMemory<64>| memory.likely_free_mm(way(0, 0), beside, 300);
     assert_eq!(
-        (memory.free_mm(beside, 300), likely(&memory)),
+        (memory.free_from_mm(way(0, 0), beside, 300), likely(&memory)),
         (1_766, 1_766)
     );
     memory.hear(&LIMITS, &beam(-8.0, 3_000));
     assert_eq!(
-        (memory.free_mm(beside, 300), likely(&memory)),
+        (memory.free_from_mm(way(0, 0), beside, 300), likely(&memory)),
         (1_766, 2_512)
     );
     // It stands in the way straight ahead still.
@@ -319,7 +319,7 @@ fn free_space_is_no_thing_and_contradicts_what_lies_before_its_end() {
     memory.hear(&LIMITS, &free);
     let is_known = |memory: &PointMemory<64>| memory.ring::<16>(&LIMITS).1.contains(0);
     assert_eq!((ranges(&memory)[0], is_known(&memory)), (None, true));
-    assert_eq!(memory.free_mm(way(2_000, 0), 300), 2_000);
+    assert_eq!(memory.free_from_mm(way(0, 0), way(2_000, 0), 300), 2_000);
     memory.moved(&LIMITS, way(310, 0), Bearing::ZERO);
     assert!(!is_known(&memory), "seen from elsewhere");
 }
@@ -340,7 +340,7 @@ fn extreme_ranges_and_moves_do_no_harm() {
     memory.moved(&LIMITS, way(i16::MIN, i16::MIN), degrees(180.0));
     memory.moved(&LIMITS, way(i16::MAX, i16::MAX), degrees(180.0));
     let _ = memory.ring::<16>(&LIMITS);
-    assert!(memory.free_mm(way(i16::MIN, i16::MIN), u16::MAX) <= 46_341);
+    assert!(memory.free_from_mm(way(0, 0), way(i16::MIN, i16::MIN), u16::MAX) <= 46_341);
     memory.forget();
     assert_eq!(
         (memory.len(), memory.ring::<16>(&LIMITS).1),

@@ -3,8 +3,18 @@
 use super::{Allowed, braking_distance, stopping_speed};
 use crate::config::Config;
 use crate::points::Lobe;
-use crate::units::{Bearing, Displacement, Range};
+use crate::units::{Bearing, Displacement};
 use serde::{Deserialize, Serialize};
+
+/// A reading as short as the shortest range may be anything nearer. It counts as halfway, or as the
+/// margin where that is less: so nothing fits between the face and the margin around it.
+pub(crate) fn shortest_possible_mm(range_mm: u16, least_range_mm: u16, margin_mm: u16) -> u16 {
+    if range_mm > least_range_mm {
+        range_mm
+    } else {
+        (least_range_mm / 2).min(margin_mm)
+    }
+}
 
 /// Margins, lobes and times of the shield.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -28,15 +38,6 @@ pub struct ShieldConfig {
 }
 
 impl ShieldConfig {
-    /// A reading as short as the shortest range may be anything nearer. It counts as halfway, or as
-    /// the margin where that is less: so nothing fits between the face and the margin around it.
-    pub(super) fn shortest_possible(&self, range: Range) -> Range {
-        if range.as_mm() > self.least_range_mm {
-            return range;
-        }
-        Range::from_mm((self.least_range_mm / 2).min(self.margin_mm))
-    }
-
     /// Five places of a lobe are kept. An echo frees a place if its cone contains what lies between
     /// it and its neighbors as well.
     pub(super) fn lobe<const SENSORS: usize>(&self, config: &Config<SENSORS>) -> Lobe {

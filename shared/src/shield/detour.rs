@@ -38,9 +38,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     /// of `wanted` is free. A detour also shows what stands in the gap between two lobes: from
     /// beside it, it is in a lobe.
     ///
-    /// `closed`: decisions in a row for which all of these were closed. Each time others are tried,
-    /// 1/64 of a turn farther: the way out between two things may be narrow, and what closes the
-    /// others may be a phantom echo, which is found out from elsewhere only.
+    /// `closed`: decisions in a row for which all of these were closed. Each time others are tried.
     #[must_use]
     pub fn detour(
         &self,
@@ -50,23 +48,33 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         now: Millis,
         closed: u8,
     ) -> (Displacement, Allowed) {
-        let free = |way| self.allow(config, enabled, way, now);
-        let mut best = (wanted, free(wanted));
-        if 2 * best.1.distance_mm >= wanted.length_mm() {
-            return best;
-        }
-        // Eighths of a turn, and what such a way counts for, sixteenths: at 45° what leads along
-        // the one wanted; across it nothing does, but a quarter counts for what it shows.
-        let mut farthest = 16 * u32::from(best.1.distance_mm);
-        for (eighths, share) in [(1, 11), (7, 11), (2, 4), (6, 4)] {
-            let bearing = Bearing::of_place(eighths, 8).plus(Bearing::of_place(closed.into(), 64));
-            let way = wanted.rotated(bearing.direction());
-            let allowed = free(way);
-            let along = share * u32::from(allowed.distance_mm);
-            if along > farthest {
-                (best, farthest) = ((way, allowed), along);
-            }
-        }
-        best
+        best_detour(wanted, closed, |way| self.allow(config, enabled, way, now))
     }
+}
+
+/// The best of a way and four detours by what is allowed of each, as of [`Shield::detour`]. Each
+/// time all are closed they are 1/64 of a turn farther: the way out between two things may be
+/// narrow, and what closes the others may be a phantom echo, found out from elsewhere only.
+pub(crate) fn best_detour(
+    wanted: Displacement,
+    closed: u8,
+    mut allow: impl FnMut(Displacement) -> Allowed,
+) -> (Displacement, Allowed) {
+    let mut best = (wanted, allow(wanted));
+    if 2 * best.1.distance_mm >= wanted.length_mm() {
+        return best;
+    }
+    // Eighths of a turn, and what such a way counts for, sixteenths: at 45° what leads along the
+    // one wanted; across it nothing does, but a quarter counts for what it shows.
+    let mut farthest = 16 * u32::from(best.1.distance_mm);
+    for (eighths, share) in [(1, 11), (7, 11), (2, 4), (6, 4)] {
+        let bearing = Bearing::of_place(eighths, 8).plus(Bearing::of_place(closed.into(), 64));
+        let way = wanted.rotated(bearing.direction());
+        let allowed = allow(way);
+        let along = share * u32::from(allowed.distance_mm);
+        if along > farthest {
+            (best, farthest) = ((way, allowed), along);
+        }
+    }
+    best
 }

@@ -1,7 +1,6 @@
 //! What is heard, kept, freed and allowed.
 
 use super::*;
-use crate::units::Range;
 use proptest::prelude::*;
 
 mod detours;

@@ -7,6 +7,7 @@ use crate::config::MAX_CONFIG;
 use crate::fixed::Mask;
 use crate::points::PointLimits;
 use crate::units::{Bearing, Displacement, Range};
+use core::num::NonZeroU16;
 use serde::{Deserialize, Serialize};
 
 /// Where a sensor stands on the body and looks.
@@ -16,6 +17,16 @@ pub struct Mount {
     pub position: Displacement,
     /// Direction, from the body's front.
     pub axis: Bearing,
+}
+
+/// What a guard has to know of a body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Guard {
+    /// Distance that it keeps between the body and what was heard, millimeters.
+    pub margin_mm: NonZeroU16,
+    /// What is heard at this range or a shorter one may be nearer, millimeters; 0 for a sensor that
+    /// tells every range.
+    pub least_range_mm: u16,
 }
 
 /// A body with `BEAMS` sensors, at most 32.
@@ -39,8 +50,8 @@ pub struct BodySpec<const BEAMS: usize> {
     /// With more sectors than these unseen from here the robot turns on the spot before it
     /// decides.
     pub most_unseen: u8,
-    /// Distance that the guard keeps between body and points, millimeters; `None` = no guard.
-    pub guard_mm: Option<u16>,
+    /// Ends motions short of everything heard; `None` = no guard.
+    pub guard: Option<Guard>,
     /// Distance that random moves leave to the nearest thing heard, wherever that is, while the
     /// robot finds where its sensors look, millimeters.
     pub babble_margin_mm: u16,
@@ -73,7 +84,7 @@ impl<const BEAMS: usize> BodySpec<BEAMS> {
         silence_mm: None,
         first_looks: 0,
         most_unseen: 0,
-        guard_mm: None,
+        guard: None,
         babble_margin_mm: 0,
     };
 

@@ -1,11 +1,20 @@
-//! The guard ends motions short of any point, and learns from contacts how large the body is.
+//! The guard ends motions short of anything near that was heard, and learns from contacts how large
+//! the body is.
+//!
+//! It keeps what the body's sensors hear as a [shield](crate::shield) does: wherever in a cone an
+//! obstacle may stand, until later beams have seen through. Where it closes a way the robot takes a
+//! detour, as phantoms are found out from elsewhere only.
 
-use super::{RingController, Robot, VirtualTurret};
+use super::{Guard, RingController, Robot, VirtualTurret};
 use crate::controller::{Motion, Outputs};
-use crate::units::Displacement;
+use crate::points::{Lobe, Ray};
+use crate::shield::{Allowed, best_detour, shortest_possible_mm};
+use crate::units::{Bearing, Displacement, Range};
 
 /// A motion is not shortened by less, millimeters.
 const ROUNDING_MM: u16 = 3;
+/// A motion that would be shortened to less is not begun, millimeters.
+const LEAST_MM: u16 = 10;
 /// Contacts that tell the size of the body.
 const CONTACTS: u8 = 3;
 
@@ -74,20 +83,71 @@ where
     /// Radius of the disc that motions keep free: the body and the guard's margin, millimeters.
     pub(super) fn kept_free_mm(&self) -> u16 {
         let body_mm = self.turret.hull.radius_mm(self.config.robot.body_radius_mm);
-        body_mm.saturating_add(self.body.guard_mm.unwrap_or(0))
+        let margin_mm = self.body.guard.map_or(0, |guard| guard.margin_mm.get());
+        body_mm.saturating_add(margin_mm)
+    }
+
+    /// Keeps an echo for the guard.
+    pub(super) fn hear_near(&mut self, ray: &Ray, echo: Option<Range>) {
+        let (Some(guard), Some(range)) = (self.body.guard, echo) else {
+            return;
+        };
+        let lobe = self.lobe(&guard);
+        let shield = self.controller.shield();
+        // After the start, and when it was set down elsewhere.
+        if self.turret.memory.is_empty() {
+            shield.forget();
+        }
+        let margin_mm = guard.margin_mm.get();
+        let range_mm = shortest_possible_mm(range.as_mm(), guard.least_range_mm, margin_mm);
+        shield.hear_along(&lobe, &ray.with_range(range_mm));
+    }
+
+    /// What the body may meet on its next steps stands in the sensors' cones.
+    fn lobe(&self, guard: &Guard) -> Lobe {
+        let robot = &self.config.robot;
+        let half = self.body.points.half_cone.as_turns();
+        Lobe {
+            half: Bearing::from_turns(half),
+            // As far as to halfway between two of the five places.
+            half_free: Bearing::from_turns(half - half / 4),
+            reach_mm: 3 * u32::from(robot.step_mm)
+                + u32::from(robot.body_radius_mm)
+                + u32::from(guard.margin_mm.get()),
+        }
     }
 
     /// As much of a way as the guard allows.
-    pub(super) fn guarded(&self, way: Displacement) -> Displacement {
-        if self.body.guard_mm.is_none() {
+    pub(super) fn guarded(&mut self, way: Displacement) -> Displacement {
+        if self.body.guard.is_none() {
             return way;
         }
-        let free_mm = self.turret.memory.free_mm(way, self.kept_free_mm());
-        if free_mm < way.length_mm() {
-            way.with_length(free_mm)
-        } else {
+        let radius_mm = self.kept_free_mm();
+        let free_mm = self.controller.shield().free_mm(way, radius_mm);
+        if free_mm >= way.length_mm() {
             way
+        } else if free_mm < LEAST_MM {
+            Displacement::ZERO
+        } else {
+            way.with_length(free_mm)
         }
+    }
+
+    /// As much of a way as the guard allows, or of a detour where that is little. Random moves take
+    /// none.
+    pub(super) fn guarded_or_detour(&mut self, wanted: Displacement) -> Displacement {
+        if self.body.guard.is_none() || !self.controller.pursues_goal() {
+            return self.guarded(wanted);
+        }
+        let speed_mm_s = self.config.robot.speed_mm_s;
+        let closed = self.turret.closed;
+        let (way, allowed) = best_detour(wanted, closed, |way| Allowed {
+            distance_mm: self.guarded(way).length_mm(),
+            speed_mm_s,
+        });
+        let is_closed = allowed.distance_mm == 0;
+        self.turret.closed = if is_closed { closed.wrapping_add(1) } else { 0 };
+        self.guarded(way)
     }
 
     /// Orders what is left of the motion under way if the guard now allows less than was ordered.
@@ -119,24 +179,4 @@ where
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_least_of_three_distances_at_contacts_is_the_radius_within_limits() {
-        let radii = |distances_mm: &[u16], told_mm| {
-            let mut hull = Hull::NEW;
-            for distance_mm in distances_mm {
-                hull.touched(*distance_mm);
-            }
-            hull.radius_mm(told_mm)
-        };
-        assert_eq!(radii(&[], 200), 200);
-        assert_eq!(radii(&[260, 255], 200), 200, "two are not enough");
-        assert_eq!(radii(&[260, 255, 290], 200), 255);
-        assert_eq!(radii(&[260, 255, 290, 250], 200), 250);
-        assert_eq!(radii(&[150, 255, 290], 200), 200, "as it was told");
-        assert_eq!(radii(&[260; 300], 200), 260);
-        assert_eq!(radii(&[900, 1_200, 3_000], 200), 400, "things unseen");
-    }
-}
+mod tests;

@@ -104,6 +104,12 @@ where
         }
     }
 
+    /// As [`VirtualTurret::turn_frame`], and what its guard keeps.
+    pub(super) fn turn_frame(&mut self, turn: Bearing) {
+        self.turret.turn_frame(turn);
+        self.controller.shield().turn_frame(turn);
+    }
+
     /// Thinks on; with the last slice it decides.
     pub(super) fn think(&mut self) -> Outputs<SECTORS> {
         let limits = PlaceLimits::of_body(self.kept_free_mm());
@@ -112,7 +118,7 @@ where
         let thought = turret.places.think(&limits, &turret.memory, goal, SLICE);
         let turn = turret.places.take_turn();
         if turn.as_signed_turns().unsigned_abs() > MOST_DRIFT {
-            turret.turn_frame(turn);
+            self.turn_frame(turn);
             // What it thought was about a ring that is askew.
             return self.decide();
         }

@@ -5,6 +5,7 @@ use crate::controller::{self, Event, Mode, Outputs, State};
 use crate::fixed::Mask;
 use crate::goal::Goal;
 use crate::places::Leg;
+use crate::shield::Shield;
 use crate::units::Millis;
 
 /// A controller that decides by whole rings of a turret that keeps its bearing: [`State`], or a
@@ -17,6 +18,10 @@ pub trait RingController<const SECTORS: usize> {
         at: Millis,
         event: Event<SECTORS>,
     ) -> Outputs<SECTORS>;
+
+    /// What it knows of near things. Its own ring is read off points, and is nothing to steer clear
+    /// of; a guard keeps there what the body's sensors hear.
+    fn shield(&mut self) -> &mut Shield<SECTORS>;
 
     /// Whether the base has been sent on its way and has not reported its end.
     fn is_moving(&self) -> bool;
@@ -69,6 +74,10 @@ impl<const SECTORS: usize, const NEURONS: usize, const SAMPLES: usize> RingContr
         event: Event<SECTORS>,
     ) -> Outputs<SECTORS> {
         controller::handle(config, self, at, event)
+    }
+
+    fn shield(&mut self) -> &mut Shield<SECTORS> {
+        self.shield_mut()
     }
 
     fn is_moving(&self) -> bool {

@@ -3,6 +3,7 @@ use crate::controller::{Command, NomadState};
 use crate::points::{PointLimits, sector_at};
 use crate::som::Grid;
 use crate::units::Direction;
+use core::num::NonZeroU16;
 
 const AHEAD: usize = 0;
 
@@ -22,7 +23,7 @@ fn config() -> Config<16> {
 }
 
 /// A ring of 16 sensors on a round body.
-fn ring_body(guard_mm: Option<u16>) -> BodySpec<16> {
+pub(super) fn ring_body(guard_mm: Option<u16>) -> BodySpec<16> {
     BodySpec {
         most_unseen: 16,
         ..even_body(16, guard_mm)
@@ -46,21 +47,29 @@ pub(crate) fn even_body(count: usize, guard_mm: Option<u16>) -> BodySpec<16> {
         silence_mm: None,
         first_looks: 0,
         most_unseen: u8::MAX,
-        guard_mm,
+        guard: guard_mm.and_then(guard),
         babble_margin_mm: 30,
     }
 }
 
-struct Rig {
+/// A guard that keeps this distance, of sensors that tell every range.
+fn guard(margin_mm: u16) -> Option<Guard> {
+    Some(Guard {
+        margin_mm: NonZeroU16::new(margin_mm)?,
+        least_range_mm: 0,
+    })
+}
+
+pub(super) struct Rig {
     config: Config<16>,
     body: BodySpec<16>,
     turret: VirtualTurret<16, 256, 0>,
     state: NomadState,
-    ms: u32,
+    pub(super) ms: u32,
 }
 
 impl Rig {
-    fn new(body: BodySpec<16>) -> Self {
+    pub(super) fn new(body: BodySpec<16>) -> Self {
         Self {
             config: config(),
             body,
@@ -83,12 +92,25 @@ impl Rig {
         handle(config, body, turret, state, at, event)
     }
 
-    fn command(&mut self, command: Command<16>) {
+    pub(super) fn with_robot<T>(
+        &mut self,
+        what: impl FnOnce(&mut Robot<'_, NomadState, 16, 16, 256, 0>) -> T,
+    ) -> T {
+        what(&mut Robot {
+            config: &self.config,
+            body: &self.body,
+            turret: &mut self.turret,
+            controller: &mut self.state,
+            at: Millis::from_ms(self.ms),
+        })
+    }
+
+    pub(super) fn command(&mut self, command: Command<16>) {
         assert_eq!(self.handle(Event::Command(command)).refusal, None);
     }
 
     /// All sensors report; returns the last motion.
-    fn hear(&mut self, ranges_mm: [Option<u16>; 16]) -> Option<Motion> {
+    pub(super) fn hear(&mut self, ranges_mm: [Option<u16>; 16]) -> Option<Motion> {
         let mut motion = None;
         for (sensor, range) in (0..).zip(ranges_mm) {
             let range = range.map(Range::from_mm);
@@ -97,13 +119,19 @@ impl Rig {
         motion
     }
 
-    fn report(&mut self, motion: Motion, moved: Displacement, turned: i32, progress: Progress) {
+    pub(super) fn report(
+        &mut self,
+        motion: Motion,
+        moved: Displacement,
+        turned: i32,
+        progress: Progress,
+    ) {
         let turned = Bearing::from_turns((turned * 65_536 / 360) as u16);
         let _ = self.handle(motion.report(moved, turned, progress));
     }
 
     /// Explores with a few moves in a wide room and learns.
-    fn learn(&mut self) {
+    pub(super) fn learn(&mut self) {
         self.command(Command::Explore { moves: 20, seed: 3 });
         let mut ranges = [Some(1_500); 16];
         for step in 0.. {
@@ -181,7 +209,7 @@ fn a_sensor_that_says_nothing_tells_nothing_but_a_certain_one_does() {
 }
 
 #[test]
-fn the_guard_ends_a_motion_short_of_any_point() {
+fn the_guard_ends_a_motion_short_of_what_was_heard() {
     let near = [Some(100); 16];
     for (guard_mm, most_mm) in [(None, 250), (Some(50), 20)] {
         let mut rig = Rig::new(ring_body(guard_mm));

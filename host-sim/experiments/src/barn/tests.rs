@@ -120,7 +120,10 @@ fn a_led_robot_goes_through_a_gap() {
 
 #[test]
 fn the_guard_of_a_led_robot_keeps_the_margin_of_the_shield() {
-    let guard_mm = |shield| led::robot(shield).unwrap().body().guard_mm;
+    let guard_mm = |shield| {
+        let guard = led::robot(shield).unwrap().body().guard?;
+        Some(guard.margin_mm.get())
+    };
     let shield = rules(true).config.shield.unwrap();
     let narrow = ShieldConfig {
         margin_mm: 30,

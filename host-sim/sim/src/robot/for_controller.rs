@@ -7,10 +7,12 @@ use amp::fixed::Mask;
 use amp::points::{Beam, PointLimits, PointMemory};
 use amp::robot::{RobotSpec, evenly_spaced};
 use amp::scan::Encoding;
-use amp::turret::{BodySpec, Mount};
+use amp::turret::{BodySpec, Guard, Mount};
 use amp::units::{Bearing, Displacement, Range};
 use arena::robot_model::SensorMount;
+use arena::sonar::SonarModel;
 use std::f64::consts::TAU;
+use std::num::NonZeroU16;
 
 /// A robot that turns does so once around where it knows nothing of its surroundings.
 const FIRST_LOOKS: u8 = 12;
@@ -27,7 +29,6 @@ impl AnyRobot {
             *mount = mount_of(sensor);
             enabled = enabled.with(index);
         }
-        let guard_m = self.guard.map(|share| share * self.model.radius_m);
         let nomad = PointLimits::NOMAD;
         BodySpec {
             mounts,
@@ -47,7 +48,7 @@ impl AnyRobot {
             silence_mm: self.silence_mm(),
             first_looks: if self.turns() { FIRST_LOOKS } else { 0 },
             most_unseen: if self.has_few_sensors() { 4 } else { u8::MAX },
-            guard_mm: guard_m.map(|m| (m * 1e3).round() as u16),
+            guard: self.guard.and_then(|share| self.guard(share)),
             babble_margin_mm: self.scaled_mm(BABBLE_MARGIN_MM),
         }
     }
@@ -79,6 +80,15 @@ impl AnyRobot {
             }
         }
         points.ring(&limits)
+    }
+
+    /// A guard that keeps a distance of so many radii.
+    fn guard(&self, share: f64) -> Option<Guard> {
+        let margin_mm = (share * self.model.radius_m * 1e3).round() as u16;
+        Some(Guard {
+            margin_mm: NonZeroU16::new(margin_mm)?,
+            least_range_mm: (self.sensing(SonarModel::Nomad).min_range_m * 1e3).ceil() as u16,
+        })
     }
 
     /// What the controller is told of the body's radius.

@@ -1,6 +1,7 @@
 use super::TurretController;
 use crate::behavior::{Behavior, Tour, TourBy};
 use crate::episode::{Episode, Setup, run, run_with};
+use crate::goal_file::GoalFile;
 use crate::robot::{AnyRobot, Miswiring, Origin, Ranges};
 use amp::config::Config;
 use amp::fixed::Mask;
@@ -37,6 +38,33 @@ fn setup(robot: AnyRobot, sonar: SonarModel, steps: u32, seed: u64) -> Setup {
         faults: Vec::new(),
         second_robot: false,
         record: false,
+    }
+}
+
+/// It looks for what is as near as can be ahead, and hears its shortest range, stray echoes and
+/// posts between two beams.
+#[test]
+fn a_guard_keeps_a_robot_off_whatever_it_seeks() {
+    let mut situation = [f64::NAN; 16];
+    situation[0] = 1.0;
+    let text = format!("situation = {situation:?}").replace("NaN", "nan");
+    let file = GoalFile::read(&text, "near.toml").expect("a goal");
+    for (seed, sonar) in [
+        (202, SonarModel::Ideal),
+        (203, SonarModel::Nomad),
+        (206, SonarModel::Nomad),
+        (215, SonarModel::Nomad),
+    ] {
+        for name in ["nomad200", "p3dx"] {
+            let model = RobotModel::builtin(name).expect("built in");
+            let robot = AnyRobot::new(model, Ranges::Own, true).expect("it fits");
+            let setup = Setup {
+                behavior: Behavior::Seek(Box::new(file.clone())),
+                ..setup(robot, sonar, 1_000, 1)
+            };
+            let episode = run(&World::random2(seed), &setup, |_, _, _| {}).expect("it drives");
+            assert_eq!(episode.report.contacts, 0, "{name} {seed}");
+        }
     }
 }
 

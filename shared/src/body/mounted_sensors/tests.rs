@@ -3,9 +3,10 @@ use crate::actuation::Actuation;
 use crate::controller::{Motion, NomadState, StopReason};
 use crate::points::PointLimits;
 use crate::som::Grid;
-use crate::turret::Mount;
 use crate::turret::tests::even_body;
+use crate::turret::{Guard, Mount};
 use crate::units::{Bearing, Displacement, Range};
+use core::num::NonZeroU16;
 
 type Sensors = MountedSensors<16, 16, 256, 0>;
 
@@ -329,10 +330,13 @@ fn any_body_fits_its_buffer() {
         silence_mm: Some(u16::MAX),
         first_looks: u8::MAX,
         most_unseen: u8::MAX,
-        guard_mm: Some(u16::MAX),
+        guard: Some(Guard {
+            margin_mm: NonZeroU16::MAX,
+            least_range_mm: u16::MAX,
+        }),
         babble_margin_mm: u16::MAX,
     };
-    assert_eq!(body.to_bytes(&mut [0; MAX_CONFIG]).len(), 342);
+    assert_eq!(body.to_bytes(&mut [0; MAX_CONFIG]).len(), 345);
 }
 
 #[test]

@@ -106,6 +106,28 @@ fn a_motion_that_does_not_end_by_its_deadline_stops_the_robot() {
     assert!(stop.displacement == Displacement::ZERO && stop.id != motion.id);
 }
 
+/// It was off, or carried elsewhere: nothing ticked. Who ticks on is stopped, whatever it is told.
+#[test]
+fn a_robot_that_is_sent_elsewhere_after_a_pause_waits_anew() {
+    let seek = Event::Command(Command::Seek(Goal::free_of_obstacles()));
+    for is_moving in [false, true] {
+        let mut bench = Bench::ready(Config::recommended());
+        bench.send(seek);
+        if is_moving {
+            assert!(bench.ring().motion.is_some());
+        }
+        let later = bench.time + 601_000;
+        assert_eq!(bench.at(later, seek).stopped, None);
+        assert!(!bench.at(later + 900, Event::Tick).mode_changed);
+        // Nothing is heard and nothing ends.
+        assert!(bench.at(later + 1_300, Event::Tick).mode_changed);
+        // Without a command the pause counts.
+        let mut bench = Bench::ready(Config::recommended());
+        bench.send(seek);
+        assert!(bench.at(bench.time + 601_000, Event::Tick).mode_changed);
+    }
+}
+
 #[test]
 fn steering_puts_the_deadline_off_for_as_long_as_it_can_take() {
     for (steers_ms, stands) in [(5_500, false), (9_000, true)] {

@@ -10,8 +10,9 @@ use amp::fixed::Mask;
 use amp::goal::Goal;
 use amp::places::Aim;
 use amp::points::PointLimits;
-use amp::turret::{BodySpec, Mount};
+use amp::turret::{BodySpec, Guard, Mount};
 use amp::units::{Bearing, Displacement};
+use core::num::NonZeroU16;
 
 /// Decisions.
 const DECISIONS: usize = 32;
@@ -77,7 +78,10 @@ fn spec() -> BodySpec<16> {
         silence_mm: None,
         first_looks: 0,
         most_unseen: u8::MAX,
-        guard_mm: Some(90),
+        guard: NonZeroU16::new(70).map(|margin_mm| Guard {
+            margin_mm,
+            least_range_mm: 153,
+        }),
         babble_margin_mm: 30,
     }
 }

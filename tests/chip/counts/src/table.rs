@@ -126,7 +126,7 @@ fn print_body(watch: &Stopwatch, counts: &body::BodyCounts) {
     row(
         "body: echo at rest, with 256 points",
         counts.events.echo,
-        28_400,
+        36_000,
     );
     row(
         "body: of an echo, keeping 200 to 256 points",
@@ -139,7 +139,7 @@ fn print_body(watch: &Stopwatch, counts: &body::BodyCounts) {
         counts.decision,
         140_400,
     );
-    row("body: report of the base", counts.events.odometry, 10_200);
+    row("body: report of the base", counts.events.odometry, 11_800);
     row(
         "body: echo while it finds its sensors",
         counts.babble.on_the_way,
@@ -165,7 +165,7 @@ fn print_places(counts: &places::PlaceCounts, body: &body::BodyCounts) {
     row(
         "places: a slice that decides, or one before it",
         body.events.slice,
-        79_100,
+        87_000,
     );
 }
 
