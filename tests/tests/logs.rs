@@ -57,6 +57,16 @@ fn the_same_seed_writes_the_same_log() {
     }
 }
 
+/// A chunk has 128 KiB before it is compressed.
+fn until_it_holds_a_chunk(program: &Program, name: &str) {
+    let path = program.folder().join(name);
+    let began = Instant::now();
+    while fs::metadata(&path).map_or(0, |file| file.len()) < 200_000 {
+        assert!(began.elapsed() < Duration::from_secs(60), "it writes");
+        thread::sleep(Duration::from_millis(5));
+    }
+}
+
 #[test]
 fn a_killed_run_leaves_a_log_up_to_its_last_chunk() {
     let program = host_sim!();
@@ -64,12 +74,7 @@ fn a_killed_run_leaves_a_log_up_to_its_last_chunk() {
         "run", "--world", "room", "--steps", "10000000", "--log", "cut.mcap",
     ];
     let mut child = program.command(&run).spawn().expect("the program starts");
-    let path = program.folder().join("cut.mcap");
-    let began = Instant::now();
-    while fs::metadata(&path).map_or(0, |file| file.len()) < 200_000 {
-        assert!(began.elapsed() < Duration::from_secs(60), "it writes");
-        thread::sleep(Duration::from_millis(5));
-    }
+    until_it_holds_a_chunk(&program, "cut.mcap");
     child.kill().expect("it runs");
     child.wait().expect("it ends");
     let said = program.ok("replay cut.mcap");
@@ -194,17 +199,15 @@ fn a_view_that_is_steered_leaves_a_log_that_replays_bit_for_bit() {
 #[test]
 fn a_view_that_is_killed_leaves_a_log_up_to_its_last_chunk() {
     let program = host_sim!();
-    let viewed = Viewed::start(&program, "--world room --speed max --log cut.mcap");
+    let viewed = Viewed::start(
+        &program,
+        "--world room --explore 1000 --speed max --log cut.mcap",
+    );
     let mut steerer = viewed.steerer();
     steerer
         .order(json!({"do": "explore"}))
         .expect("it explores");
-    let path = program.folder().join("cut.mcap");
-    let began = Instant::now();
-    while fs::metadata(&path).map_or(0, |file| file.len()) < 20_000 {
-        assert!(began.elapsed() < Duration::from_secs(60), "it writes");
-        thread::sleep(Duration::from_millis(5));
-    }
+    until_it_holds_a_chunk(&program, "cut.mcap");
     viewed.kill();
     replays(&program, "cut.mcap", "interrupted");
 }
