@@ -3,6 +3,9 @@
 use crate::fixed::isqrt_u32;
 use crate::units::{Direction, Displacement, div_round};
 
+/// A disc beside a point comes nearer by as much, millimeters: rounding must not hold it.
+const NEARER_MM: i32 = 4;
+
 /// The direction of a displacement of this length, millimeters.
 pub(crate) fn direction_of(way: Displacement, length_mm: i32) -> Direction {
     let unit = |mm: i16| div_round(i32::from(mm) << 14, length_mm.max(1)) as i16;
@@ -46,9 +49,6 @@ pub(crate) fn until_contact_beside(place: (i32, i32), radius_mm: i32, limit: i32
     };
     until_contact(place, radius_mm, limit)
 }
-
-/// A disc beside a point comes nearer by as much, millimeters: rounding must not hold it.
-const NEARER_MM: i32 = 4;
 
 /// The amount of a number, one less for those below 0: a single instruction on the chip.
 pub(crate) const fn magnitude(value: i32) -> i32 {

@@ -190,17 +190,12 @@ impl<const POINTS: usize> PointMemory<POINTS> {
     /// The robot faces this much farther to the left than it thought, and always did: all that it
     /// heard stands there as well.
     pub(crate) fn turn_frame(&mut self, turn: Bearing) {
-        self.turn_points(turn);
-        self.correct_heading(turn);
-    }
-
-    /// All points stand this much farther to the left.
-    pub(crate) fn turn_points(&mut self, turn: Bearing) {
         let direction = turn.direction();
         for point in &mut self.points {
             point.at = point.at.rotated(direction);
             point.seen_from = point.seen_from.rotated(direction);
         }
+        self.correct_heading(turn);
     }
 
     /// As [`moved`](Self::moved); all points are kept.

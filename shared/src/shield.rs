@@ -129,10 +129,10 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         self.points.hear_near(&limits.lobe(config), &beam);
     }
 
-    /// Takes an echo for the guard of a body whose sensors stand anywhere, in the frame that ways
+    /// Takes a reading for the guard of a body whose sensors stand anywhere, in the frame that ways
     /// are told in.
-    pub(crate) fn hear_along(&mut self, lobe: &Lobe, ray: &Ray) {
-        self.points.hear_near_along(lobe, ray);
+    pub(crate) fn hear_along(&mut self, lobe: &Lobe, ray: &Ray, is_echo: bool) {
+        self.points.hear_near_along(lobe, ray, is_echo);
     }
 
     /// How far a disc of `radius_mm` may go along `way` for the guard of such a body, millimeters.
@@ -142,8 +142,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
 
     /// All that was heard stands this much farther to the left.
     pub(crate) fn turn_frame(&mut self, turn: Bearing) {
-        // The frame is the one that beams come in.
-        self.points.turn_points(turn);
+        self.points.turn_frame(turn);
     }
 
     /// Time since a transducer was heard, milliseconds; `None` = never heard.

@@ -309,7 +309,7 @@ where
             is_echo: range.is_some(),
         };
         let ray = self.turret.memory.ray(&beam);
-        self.hear_near(&ray, range);
+        self.hear_near(&ray, &beam);
         (self.turret.memory).hear_along(&self.body.points, &ray, beam.is_echo);
     }
 

@@ -89,15 +89,15 @@ impl Arc {
     }
 
     /// Distance until a disc that goes along `way` touches a place that no beam has shown free, at
-    /// most `limit`; `axis` is where the arc's axis is, from the disc's center. `contact` tells the
-    /// distance for one place.
+    /// most `limit`; `axis` is where the arc's axis is, from the disc's center. `until` tells the
+    /// distance for one place, as [`until_contact`](crate::disc::until_contact) does.
     pub(super) fn until_contact(
         &self,
         axis: Displacement,
         way: Direction,
         radius_mm: i32,
         limit: i32,
-        contact: impl Fn((i32, i32), i32) -> i32,
+        until: impl Fn((i32, i32), i32, i32) -> i32,
     ) -> i32 {
         let (along, aside) = way.components(axis.dx_mm.into(), axis.dy_mm.into());
         if !self.is_in_way((along, aside), radius_mm, limit) {
@@ -110,7 +110,7 @@ impl Arc {
         left.fold(limit, |limit, (_, place)| {
             let place = i32::from(place);
             let at = (along + place * step_along, aside + place * step_aside);
-            contact(at, limit)
+            until(at, radius_mm, limit)
         })
     }
 

@@ -15,11 +15,10 @@ pub(crate) struct Lobe {
     pub(crate) half_free: Bearing,
     /// What is farther away is not kept, millimeters.
     pub(crate) reach_mm: u32,
+    /// Similar points are less than this apart, millimeters. A beam frees nothing within as much of
+    /// its echo, so it does not free what it confirms.
+    pub(crate) similar_mm: u16,
 }
-
-/// Similar points are less than this apart, millimeters. A beam frees nothing within as much of its
-/// echo, so it does not free what it confirms.
-const SIMILAR_MM: u32 = 60;
 
 impl<const POINTS: usize> PointMemory<POINTS> {
     /// Takes an echo that is to end motions in time. Unlike [`hear`](PointMemory::hear) it keeps
@@ -27,26 +26,30 @@ impl<const POINTS: usize> PointMemory<POINTS> {
     /// where there is no room the farthest goes. One echo alone frees nothing: it may be a stray
     /// one.
     pub(crate) fn hear_near(&mut self, lobe: &Lobe, beam: &Beam) {
-        self.hear_near_along(lobe, &self.ray(beam));
+        self.hear_near_along(lobe, &self.ray(beam), beam.is_echo);
     }
 
-    /// As [`hear_near`](Self::hear_near), in the frame of the start.
-    pub(crate) fn hear_near_along(&mut self, lobe: &Lobe, ray: &Ray) {
+    /// As [`hear_near`](Self::hear_near), in the frame of the start. A beam without an echo frees
+    /// what it sees.
+    pub(crate) fn hear_near_along(&mut self, lobe: &Lobe, ray: &Ray, is_echo: bool) {
         // The places stand on the chord of the lobe's arc, which is nowhere farther than the arc.
         let (chord_mm, edge_mm) = lobe.half.direction().times(ray.range_mm);
         let at = ray.at(chord_mm);
         let free = FreeBeam {
             may_be_stray: true,
             // Short of the echo by four deviations of a near range, and its rounding to inches.
-            ..ray.free(lobe.half_free.direction(), chord_mm - chord_mm / 32 - 60)
+            ..ray.free(
+                lobe.half_free.direction(),
+                chord_mm - chord_mm / 32 - i32::from(lobe.similar_mm),
+            )
         };
         self.carve(&free);
-        if !at.is_shorter_than(lobe.reach_mm) {
+        if !is_echo || !at.is_shorter_than(lobe.reach_mm) {
             return;
         }
         let point = Point::new(at, self.traveled_mm, Arc::new(ray.axis, edge_mm / 2));
         let mut others = self.points.iter_mut();
-        if let Some(other) = others.find(|other| other.covers(&point)) {
+        if let Some(other) = others.find(|other| other.covers(&point, lobe.similar_mm)) {
             other.arc.confirm();
             return;
         }
@@ -62,28 +65,32 @@ impl<const POINTS: usize> PointMemory<POINTS> {
     /// As [`free_from_mm`](Self::free_from_mm), from here, before it touches any place where what
     /// returned an echo may stand.
     pub(crate) fn free_of_arcs_mm(&self, way: Displacement, radius_mm: u16) -> u16 {
-        let radius_mm = radius_mm.into();
-        self.until_contact_mm(way, |point, direction, free| {
-            let contact = |place, free| until_contact(place, radius_mm, free);
-            (point.arc).until_contact(point.at, direction, radius_mm, free, contact)
-        })
+        self.until_any_contact_mm(way, radius_mm, until_contact)
     }
 
     /// As [`free_of_arcs_mm`](Self::free_of_arcs_mm), for a disc that may go beside what it touches
     /// already, where it comes no nearer than some millimeters.
     pub(crate) fn free_beside_arcs_mm(&self, way: Displacement, radius_mm: u16) -> u16 {
+        self.until_any_contact_mm(way, radius_mm, until_contact_beside)
+    }
+
+    fn until_any_contact_mm(
+        &self,
+        way: Displacement,
+        radius_mm: u16,
+        until: impl Fn((i32, i32), i32, i32) -> i32,
+    ) -> u16 {
         let radius_mm = radius_mm.into();
         self.until_contact_mm(way, |point, direction, free| {
-            let contact = |place, free| until_contact_beside(place, radius_mm, free);
-            (point.arc).until_contact(point.at, direction, radius_mm, free, contact)
+            (point.arc).until_contact(point.at, direction, radius_mm, free, &until)
         })
     }
 }
 
 impl Point {
-    /// Whether it is no farther than another and its places are within some centimeters of those.
-    fn covers(&self, other: &Self) -> bool {
-        self.at.minus(other.at).is_shorter_than(SIMILAR_MM)
+    /// Whether it is no farther than another and its places are similar to those.
+    fn covers(&self, other: &Self, similar_mm: u16) -> bool {
+        (self.at.minus(other.at)).is_shorter_than(similar_mm.into())
             && self.arc.is_similar(&other.arc)
             && !other.is_nearer(self)
     }

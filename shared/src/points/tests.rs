@@ -355,6 +355,7 @@ fn an_echo_that_ends_motions_frees_nothing_beyond_it() {
         half: degrees(15.0),
         half_free: degrees(8.75),
         reach_mm: 2_000,
+        similar_mm: 60,
     };
     let beam = |range_mm| Beam {
         mount: Displacement {

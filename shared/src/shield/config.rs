@@ -52,6 +52,7 @@ impl ShieldConfig {
             half: Bearing::from_turns(half),
             half_free: Bearing::from_turns(half_free),
             reach_mm: (steps_mm + body_mm).unsigned_abs(),
+            similar_mm: 60,
         }
     }
 

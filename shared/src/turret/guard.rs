@@ -7,9 +7,9 @@
 
 use super::{Guard, RingController, Robot, VirtualTurret};
 use crate::controller::{Motion, Outputs};
-use crate::points::{Lobe, Ray};
+use crate::points::{Beam, Lobe, Ray};
 use crate::shield::{Allowed, best_detour, shortest_possible_mm};
-use crate::units::{Bearing, Displacement, Range};
+use crate::units::{Bearing, Displacement};
 
 /// A motion is not shortened by less, millimeters.
 const ROUNDING_MM: u16 = 3;
@@ -87,9 +87,9 @@ where
         body_mm.saturating_add(margin_mm)
     }
 
-    /// Keeps an echo for the guard.
-    pub(super) fn hear_near(&mut self, ray: &Ray, echo: Option<Range>) {
-        let (Some(guard), Some(range)) = (self.body.guard, echo) else {
+    /// Keeps a reading for the guard: an echo, or how far a sensor sees free space.
+    pub(super) fn hear_near(&mut self, ray: &Ray, beam: &Beam) {
+        let Some(guard) = self.body.guard else {
             return;
         };
         let lobe = self.lobe(&guard);
@@ -99,8 +99,8 @@ where
             shield.forget();
         }
         let margin_mm = guard.margin_mm.get();
-        let range_mm = shortest_possible_mm(range.as_mm(), guard.least_range_mm, margin_mm);
-        shield.hear_along(&lobe, &ray.with_range(range_mm));
+        let range_mm = shortest_possible_mm(beam.range.as_mm(), guard.least_range_mm, margin_mm);
+        shield.hear_along(&lobe, &ray.with_range(range_mm), beam.is_echo);
     }
 
     /// What the body may meet on its next steps stands in the sensors' cones.
@@ -114,6 +114,7 @@ where
             reach_mm: 3 * u32::from(robot.step_mm)
                 + u32::from(robot.body_radius_mm)
                 + u32::from(guard.margin_mm.get()),
+            similar_mm: self.body.points.short_of_echo_mm.saturating_mul(2),
         }
     }
 

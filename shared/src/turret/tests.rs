@@ -61,8 +61,8 @@ fn guard(margin_mm: u16) -> Option<Guard> {
 }
 
 pub(super) struct Rig {
-    config: Config<16>,
-    body: BodySpec<16>,
+    pub(super) config: Config<16>,
+    pub(super) body: BodySpec<16>,
     turret: VirtualTurret<16, 256, 0>,
     state: NomadState,
     pub(super) ms: u32,

@@ -77,6 +77,40 @@ fn one_echo_from_beyond_opens_no_way_and_a_second_does() {
     assert!(after_two >= 699, "{after_two}");
 }
 
+/// An infrared sensor that hears nothing sees that nothing is there; a sonar does not.
+#[test]
+fn silence_opens_a_way_for_what_sees_free_space() {
+    for (silence_mm, is_open) in [(None, false), (Some(1_500), true)] {
+        let mut robot = Standing::new(50, 0);
+        robot.0.body.silence_mm = silence_mm;
+        robot.hears(&[(0, 80)]);
+        robot.moves(Displacement::along(Bearing::ZERO, -500));
+        robot.0.hear([None; 16]);
+        robot.0.hear([None; 16]);
+        let way = Displacement::along(Bearing::ZERO, 700);
+        assert_eq!(robot.allowed_of(way) >= 699, is_open, "{silence_mm:?}");
+        // Where it saw free space there is no thing.
+        let far = Displacement::along(Bearing::of_place(8, 16), 1_700);
+        robot.0.config.robot.step_mm = 2_000;
+        robot.0.hear([None; 16]);
+        assert!(robot.allowed_of(far) >= 1_699, "{silence_mm:?}");
+    }
+}
+
+/// What stood at 580 mm has gone back by 50 mm.
+#[test]
+fn a_small_body_tells_near_things_apart() {
+    for (short_of_echo_mm, opens) in [(30, false), (4, true)] {
+        let mut robot = Standing::new(50, 0);
+        robot.0.body.points.short_of_echo_mm = short_of_echo_mm;
+        robot.hears(&[(0, 80)]);
+        robot.moves(Displacement::along(Bearing::ZERO, -500));
+        robot.hears(&[(0, 630)]).hears(&[(0, 630)]);
+        let allowed = robot.allowed_of(Displacement::along(Bearing::ZERO, 700));
+        assert_eq!(allowed > 510, opens, "{short_of_echo_mm}: {allowed}");
+    }
+}
+
 /// It hears its shortest range all the while that it comes nearer.
 #[test]
 fn what_is_heard_at_the_shortest_range_may_be_nearer() {
