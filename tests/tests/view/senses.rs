@@ -10,7 +10,7 @@ fn a_robot_finds_a_scent_and_the_page_draws_it() {
     let program = host_sim!();
     let viewed = Viewed::start(
         &program,
-        "--robot p3dx --ranges nomad --behavior scent:strongest --tour 400 --world office --speed max --seed 4",
+        "--robot p3dx --ranges nomad --behavior scent:strongest --tour 1000 --world office --speed max --seed 4",
     );
     let mut page = Browser::open(&viewed.steer);
     page.set_dark(false);
@@ -29,7 +29,7 @@ fn a_robot_finds_a_scent_and_the_page_draws_it() {
     page.wait("view.memory.length === 100 && view.now.mode === 'idle'");
     page.click("#learn");
     page.wait("view.maps.learned && view.now.mode === 'idle'");
-    page.eval("ask('speed', {factor: null}).then(() => ask('seek'))");
+    page.eval("ask('speed', {factor: 100}).then(() => ask('seek'))");
     page.wait("view.now.goal.tour[0] > 250");
     page.eval("ask('speed', {factor: 40})");
     page.click("#pause");
