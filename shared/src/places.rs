@@ -17,6 +17,7 @@ use crate::memory::SituationBytes;
 use crate::points::WallDirections;
 use crate::scan::Encoding;
 use crate::units::{Bearing, Displacement};
+use serde::{Deserialize, Serialize};
 
 mod compass;
 mod follow;
@@ -76,7 +77,7 @@ impl PlaceLimits {
 }
 
 /// Where the robot is to be led.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Aim {
     /// To a position in the frame of the start.
     Position(Displacement),

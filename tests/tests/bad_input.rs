@@ -77,7 +77,10 @@ const TABLES: &[(&str, &[u8])] = &[
 ];
 
 const CASES: &[Case] = &[
-    ("run --behavior home --log a.mcap", &["--log", "home"]),
+    (
+        "run --behavior avoid --robot p3dx --log a.mcap --mind tcp:127.0.0.1:9",
+        &["--log", "--mind", "p3dx"],
+    ),
     ("run --behavior home --mind qemu", &["--mind", "home"]),
     ("run --robot p3dx --tour 5", &["--tour", "home"]),
     ("run --robot p3dx --tour-by avoid", &["--tour-by", "home"]),

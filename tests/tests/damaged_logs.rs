@@ -305,13 +305,17 @@ fn altered(line: &str, random: &mut Xoshiro256PlusPlus) -> Option<String> {
 
 #[test]
 fn logs_with_hostile_content_and_right_checksums_break_nothing() {
-    let path = root().join("tests/fuzz/corpus/messages/episode");
-    let text = fs::read_to_string(path).expect("a log's messages");
-    let lines: Vec<_> = text.lines().collect();
+    let folder = root().join("tests/fuzz/corpus/messages");
+    let texts = ["episode", "places"]
+        .map(|name| fs::read_to_string(folder.join(name)).expect("a log's messages"));
+    let logs = texts
+        .each_ref()
+        .map(|text| text.lines().collect::<Vec<_>>());
     let before_kib = peak_kib();
     for number in 0..HOSTILE {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(number);
-        let mut lines: Vec<_> = lines.iter().map(|line| (*line).to_owned()).collect();
+        let log = &logs[number as usize % logs.len()];
+        let mut lines: Vec<_> = log.iter().map(|line| (*line).to_owned()).collect();
         for _ in 0..1 + below(&mut random, 2) {
             // Often the setup: everything depends on it.
             let line = match below(&mut random, 3) {

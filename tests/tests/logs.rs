@@ -17,6 +17,9 @@ fn every_behavior_and_sonar_replays_bit_for_bit() {
         "--world office --sonar nomad --behavior wall-right",
         "--world room --behavior avoid-right,nest --preset probe",
         "--world random:4 --behavior follow --shield off --turret follow",
+        "--world random:5 --robot p3dx --geometry learned --sonar nomad --behavior wall-right,home",
+        "--world random2:3 --robot lidar16 --behavior scent:strongest --tour 40",
+        "--world random:6 --places on --behavior nest --tour 40",
     ]
     .iter()
     .enumerate()

@@ -5,6 +5,7 @@ use crate::shapes::{Shape, point_defect};
 use crate::world::{MAX_COORDINATE_M, World};
 use core::f64::consts::SQRT_2;
 use files::error::BadInput;
+use serde::{Deserialize, Serialize};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 
@@ -33,7 +34,7 @@ pub const COLORS: [(&str, [f64; 3]); 8] = [
 pub const BARE_FLOOR: [f64; 3] = [0.5; 3];
 
 /// A lamp. What stands between throws a shadow.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Light {
     /// Where it hangs.
     pub position: Point,
@@ -44,7 +45,7 @@ pub struct Light {
 }
 
 /// A source of a scent, which spreads around what stands in its way.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Scent {
     /// Where it is.
     pub position: Point,
@@ -53,7 +54,7 @@ pub struct Scent {
 }
 
 /// A colored rectangle on the floor.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FloorPatch {
     /// Its center.
     pub center: Point,
@@ -66,7 +67,7 @@ pub struct FloorPatch {
 }
 
 /// Lamps, scents and colored floor of a world.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Sources {
     /// The lamps; their light adds up.
     pub lights: Vec<Light>,

@@ -16,5 +16,6 @@ pub mod ring_pilot;
 pub mod robot;
 pub mod senses;
 pub mod settings;
+pub mod sim_controller;
 pub mod statistics;
 pub mod turret_pilot;

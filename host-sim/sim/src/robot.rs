@@ -13,7 +13,7 @@ mod for_controller;
 mod told;
 
 use for_controller::bearing;
-pub use told::{Miswiring, Origin, Ranges};
+pub use told::{Miswiring, Origin, Ranges, ToldRobot};
 
 /// Most sensors of a simulated robot.
 pub const MAX_BEAMS: usize = 16;

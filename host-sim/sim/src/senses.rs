@@ -6,6 +6,7 @@ use amp::places::{Aim, Places};
 use amp::units::{Displacement, Millis};
 use arena::sources::{self, COLORS, Sensed};
 use files::error::BadInput;
+use serde::{Deserialize, Serialize};
 use std::str::FromStr;
 
 /// Records of each modality.
@@ -110,7 +111,7 @@ impl FromStr for SenseGoal {
 }
 
 /// What the sensors read: 0 … 254.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Readings {
     scent: SituationBytes<1>,
     light: SituationBytes<1>,

@@ -3,7 +3,7 @@
 use crate::error::EpisodeError;
 use crate::pilot::{InspectableController, Pilot, SimState};
 use crate::ring_pilot::{Policy, RingPilot};
-use crate::robot::{AnyRobot, MAX_BEAMS};
+use crate::robot::{AnyRobot, MAX_BEAMS, ToldRobot};
 use crate::senses::{Readings, SenseGoal, Senses};
 use amp::body::{Body as _, MountedSensors};
 use amp::config::Config;
@@ -42,17 +42,23 @@ impl TurretController {
     /// [`AnyRobot::config`]'s.
     #[must_use]
     pub fn new(config: Config<16>, robot: &AnyRobot) -> Self {
+        Self::told(config, &robot.told())
+    }
+
+    /// As [`new`](Self::new), by what the controller is told.
+    #[must_use]
+    pub fn told(config: Config<16>, robot: &ToldRobot) -> Self {
         let mut state = State::new(Grid::rectangle(4, 4));
         state.expect_open_space(config.open_space);
         let mut body = Box::<SimBody>::default();
-        body.tell(&robot.body());
+        body.tell(&robot.body);
         body.lead_to(None);
-        body.trust_heading(!robot.heading_drifts());
+        body.trust_heading(robot.has_compass);
         Self {
             config,
             body,
             state: Box::new(state),
-            is_led: robot.is_led(),
+            is_led: robot.is_led,
             senses: Box::default(),
         }
     }
@@ -109,6 +115,12 @@ impl TurretController {
     #[must_use]
     pub fn led_turret(&self) -> Option<&SimTurret> {
         self.is_led.then(|| self.turret())
+    }
+
+    /// Whether each tick is a step of finding its sensors.
+    #[must_use]
+    pub fn is_solving(&self) -> bool {
+        self.body.is_solving()
     }
 
     /// The body as it is known; while it finds its sensors, as far as it has found them.

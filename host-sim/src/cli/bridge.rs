@@ -198,6 +198,7 @@ pub(super) fn mind(
         sonar: "the robot's own".to_owned(),
         turret: TurretMode::Held.name().to_owned(),
         explore_moves: task.explore,
+        robot: None,
         config,
     };
     mind.begin(&setup, None);

@@ -37,8 +37,13 @@ pub fn log(args: &LogArgs, out: &mut impl Write) -> Result<(), CliError> {
 
 fn rows(log: &LogFile, summary: &Summary) -> Vec<Vec<String>> {
     let setup = log.setup();
+    let robot = setup.robot.as_ref();
     let mut rows = vec![
         ("world", setup.world.clone()),
+        (
+            "robot",
+            robot.map_or("nomad200".to_owned(), |robot| robot.name.clone()),
+        ),
         ("behavior", setup.behavior.clone()),
         ("preset", setup.preset.clone()),
         ("seed", setup.seed.to_string()),

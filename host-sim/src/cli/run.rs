@@ -17,7 +17,8 @@ use remote::link::Knowledge;
 use remote::log;
 use sim::behavior::TourBy;
 use sim::episode::{self, Episode, EpisodeReport, Setup};
-use sim::pilot::{InspectableController, LocalController};
+use sim::pilot::InspectableController;
+use sim::sim_controller::SimController;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -253,13 +254,11 @@ fn check_robot(args: &RunArgs, setup: &Setup) -> Result<(), BadInput> {
         )));
     }
     let needs_places = setup.behavior.needs_places();
+    let is_remote = args.mind.choice != MindChoice::Host;
     let flags = [
         ("--save", args.save.is_some()),
-        ("--log", args.log.is_some()),
-        (
-            "--mind",
-            needs_places && args.mind.choice != MindChoice::Host,
-        ),
+        ("--log with --mind", args.log.is_some() && is_remote),
+        ("--mind", needs_places && is_remote),
     ];
     match flags.iter().find(|(_, is_used)| *is_used) {
         None => Ok(()),
@@ -285,10 +284,9 @@ fn in_parallel(
     for (number, chunk) in sources.chunks(CHUNK).enumerate() {
         let one = |(index, source): (usize, &WorldSource)| {
             let folder = folder(args, number * CHUNK + index, source, sources.len());
-            let mut mind = LocalController::new(setup.config.clone());
-            let report = episode(source, folder.as_deref(), |world| match setup.robot {
-                None => drive(world, setup, &mut mind, args.log.as_deref()),
-                Some(_) => Ok(episode::run(world, setup, |_, _, _| {})?),
+            let mut mind = SimController::new(&setup.config, setup.robot.as_ref());
+            let report = episode(source, folder.as_deref(), |world| {
+                drive(world, setup, &mut mind, args.log.as_deref())
             })?;
             if let Some(file) = &args.save {
                 Knowledge::of(mind.config(), mind.state()).save(file)?;

@@ -194,9 +194,10 @@ fn simulator(args: &ViewArgs) -> Result<Box<dyn ViewSource>, BadInput> {
         return Err(no_places(&start.setup.behavior));
     }
     let log = args.log.as_deref();
-    if let (Some(robot), Some(log)) = (robot, log) {
+    let is_remote = !matches!(place, ControllerPlace::Host);
+    if let (Some(robot), Some(log), true) = (robot, log, is_remote) {
         return Err(BadInput::new(format!(
-            "--log {}: only with the robot nomad200, not \"{}\"",
+            "--log {}: with --mind only of the robot nomad200, not \"{}\"",
             log.display(),
             robot.model().name
         )));

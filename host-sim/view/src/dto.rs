@@ -1,7 +1,8 @@
 //! Converts maps, memory, plans and worlds into the values that viewers receive.
 
 use super::snapshot::{
-    MapDto, Maps, MemoryRow, PartMessage, PlanDto, RingValues, Rounded, ShapeDto, SnapshotPart, Xy,
+    MapDto, Maps, MemoryRow, PartMessage, PlanDto, RingValues, Rounded, SensorDto, ShapeDto,
+    SnapshotPart, SourceDto, Xy,
 };
 use amp::action_map::Effect;
 use amp::config::Config;
@@ -11,9 +12,12 @@ use amp::memory::{Sample, from_bytes};
 use amp::planner::{Plan, difference};
 use amp::scan::Situation;
 use amp::som::{Grid, Som};
+use amp::turret::BodySpec;
 use amp::units::Displacement;
+use arena::sources::{LAMP_M, Sources, hex};
 use arena::world::{Point, Pose, Shape};
 use sim::pilot::SimState;
+use sim::turret_pilot::TurretController;
 use std::sync::Arc;
 
 /// Maps and memory as parts, rebuilt after a change.
@@ -81,6 +85,63 @@ pub(super) fn shape_dto(shape: &Shape) -> ShapeDto {
         } => ShapeDto::Box(Shape::box_corners(*center, *size, *angle).map(xy).to_vec()),
         Shape::Circle { center, radius } => ShapeDto::Circle(xy(*center), Rounded(*radius)),
     }
+}
+
+/// The sources of a world: colored floor, scents, lamps.
+pub(super) fn source_dtos(sources: &Sources) -> Vec<SourceDto> {
+    let floor = sources.floor.iter().map(|patch| SourceDto {
+        kind: "floor",
+        at: xy(patch.center),
+        reach_m: Rounded(0.0),
+        outline: Shape::box_corners(patch.center, patch.size, patch.angle)
+            .map(xy)
+            .to_vec(),
+        color: Some(hex(patch.color)),
+    });
+    let point = |kind, at, reach_m| SourceDto {
+        kind,
+        at: xy(at),
+        reach_m: Rounded(reach_m),
+        outline: Vec::new(),
+        color: None,
+    };
+    let scents = sources.scents.iter();
+    let scents = scents.map(|scent| point("scent", scent.position, scent.reach_m));
+    let lights = sources.lights.iter();
+    let lights = lights.map(|light| point("light", light.position, LAMP_M));
+    floor.chain(scents).chain(lights).collect()
+}
+
+/// The ranges that the controller reads its situation off, meters: those of a ring, or of the ring
+/// of sectors of a body.
+pub(super) fn ring_ranges(
+    turret: Option<&TurretController>,
+    ranges_m: &[Option<f64>; 16],
+) -> [Option<Rounded>; 16] {
+    match turret {
+        None => ranges_m.map(|range| range.map(Rounded)),
+        Some(turret) => turret.ring().map(|range| Some(millimeters(range?.as_mm()))),
+    }
+}
+
+/// The ranges of a body's first sensors, meters.
+pub(super) fn beams(ranges_m: &[Option<f64>; 16], count: usize) -> Vec<Option<Rounded>> {
+    let ranges = ranges_m.iter().take(count);
+    ranges.map(|range| range.map(Rounded)).collect()
+}
+
+/// Where the controller takes the sensors to stand and look; `None` for those that it does not use.
+pub(super) fn found(body: &BodySpec<16>, count: usize) -> Vec<Option<SensorDto>> {
+    let dto = |sensor: usize| {
+        let mount = body
+            .mounts
+            .get(sensor)
+            .filter(|_| body.enabled.contains(sensor))?;
+        let [x, y] = [mount.position.dx_mm, mount.position.dy_mm].map(|mm| f64::from(mm) / 1e3);
+        let turns = f64::from(mount.axis.as_turns()) / 65_536.0;
+        Some([x, y, turns * std::f64::consts::TAU].map(Rounded))
+    };
+    (0..count).map(dto).collect()
 }
 
 fn maps(known: &SimState, config: &Config<16>) -> Maps {

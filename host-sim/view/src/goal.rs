@@ -62,6 +62,11 @@ impl ActiveGoal {
         Self::new(GoalKind::Behavior(behavior.clone()))
     }
 
+    /// A position in the world.
+    pub fn position_of(place: Point) -> Self {
+        Self::new(GoalKind::Position(place))
+    }
+
     /// The situation of a neuron.
     pub fn neuron(neuron: usize, code: Situation<16>) -> Self {
         let name = format!("neuron N{}", neuron + 1);
@@ -211,7 +216,7 @@ impl ActiveGoal {
     ) -> Result<Self, CommandRefused> {
         let goal = match command {
             PageCommand::Behavior { name, tour } => Self::behavior(&named(name, *tour)?),
-            PageCommand::GoalPosition { x, y } => Self::new(GoalKind::Position(Point::new(*x, *y))),
+            PageCommand::GoalPosition { x, y } => Self::position_of(Point::new(*x, *y)),
             PageCommand::GoalNeuron { neuron } => {
                 let known = known.ok_or("there are no maps yet: explore and learn first")?;
                 if *neuron >= known.situations().code().len() {

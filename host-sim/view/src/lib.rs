@@ -19,6 +19,8 @@ mod history;
 pub mod known_places;
 mod nomad;
 mod page;
+pub mod part;
+mod place_frames;
 pub mod playback_clock;
 mod recorded;
 mod runner;

@@ -5,10 +5,11 @@
 
 pub use super::counts::DriveCounts;
 pub use super::known_places::PlacesDto;
+pub use super::part::{PartMessage, SnapshotPart, message};
 use super::source::Capabilities;
 pub use super::things::{SensedDto, ShapeDto, SourceDto};
 use serde::{Serialize, Serializer};
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 /// Decisions per chunk.
 pub const CHUNK_LENGTH: usize = 64;
@@ -40,66 +41,6 @@ pub type SensorDto = [Rounded; 3];
 
 /// A position or a displacement, meters.
 pub type Xy = [Rounded; 2];
-
-/// A part with its revision.
-pub struct SnapshotPart<T> {
-    name: &'static str,
-    index: u64,
-    revision: u64,
-    pub(super) value: T,
-    text: OnceLock<Arc<str>>,
-}
-
-impl<T: Serialize> SnapshotPart<T> {
-    /// A part; a higher revision of the same name and index is newer.
-    #[must_use]
-    pub fn new(name: &'static str, index: u64, revision: u64, value: T) -> Self {
-        Self {
-            name,
-            index,
-            revision,
-            value,
-            text: OnceLock::new(),
-        }
-    }
-}
-
-/// A part of any type, as a viewer's task needs it.
-pub trait PartMessage: Send + Sync {
-    /// Name and index.
-    fn key(&self) -> (&'static str, u64);
-    /// Increases with each change.
-    fn revision(&self) -> u64;
-    /// The JSON text, built on the first call.
-    fn text(&self) -> Arc<str>;
-}
-
-impl<T: Serialize + Send + Sync> PartMessage for SnapshotPart<T> {
-    fn key(&self) -> (&'static str, u64) {
-        (self.name, self.index)
-    }
-
-    fn revision(&self) -> u64 {
-        self.revision
-    }
-
-    fn text(&self) -> Arc<str> {
-        let make = || message(self.name, self.index, &self.value).into();
-        Arc::clone(self.text.get_or_init(make))
-    }
-}
-
-/// The JSON text of a part.
-pub fn message(part: &str, index: u64, value: &impl Serialize) -> String {
-    #[derive(Serialize)]
-    struct Message<'a, T> {
-        part: &'a str,
-        index: u64,
-        value: &'a T,
-    }
-    // Structs of numbers and texts always serialize.
-    serde_json::to_string(&Message { part, index, value }).unwrap_or_default()
-}
 
 /// Everything that is visible at one time. Its messages are JSON texts over the WebSocket
 /// `/socket`, such as `{"part": "now", "index": 0, "value": {"time_s": 12.8, "mode": "seek"}}`:

@@ -97,6 +97,12 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize, const RECORD
         &self.turret
     }
 
+    /// Whether it works out where sensors look: each tick is a step of that.
+    #[must_use]
+    pub fn is_solving(&self) -> bool {
+        self.solver.is_busy()
+    }
+
     /// The body as the random moves so far show it, at once: for pictures, too long for a tick.
     #[must_use]
     pub fn sketch(&self) -> BodySpec<BEAMS> {

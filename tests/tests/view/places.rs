@@ -155,3 +155,37 @@ fn a_robot_without_places_is_not_sent_home() {
     fits(&mut page);
     assert_eq!(page.errors(), [""; 0]);
 }
+
+/// A robot that drove around was carried elsewhere: the recording shows where its places are, where
+/// it thinks that it is, and the way on which they lead it.
+#[test]
+fn a_recording_draws_the_places_of_its_robot() {
+    let program = host_sim!();
+    let run = "run --robot p3dx --ranges nomad --behavior nest --tour 200 --world office --seed 3";
+    let said = program.ok(&format!("{run} --log a.mcap"));
+    assert!(said.contains("office"), "{said}");
+    let viewed = Viewed::start(&program, "--replay a.mcap --speed 10");
+    let mut page = Browser::open(&viewed.steer);
+    page.set_dark(false);
+    page.resize(1400, 900);
+    page.wait("document.getElementById('seat').textContent.startsWith('you steer')");
+    page.click("#pause");
+    page.wait("view.now.pace.paused");
+    page.eval("ask('jump', {to: 200})");
+    page.wait("view.now.at === 200 && view.now.way");
+    its_places_are_drawn(&mut page);
+    page.wait("view.scene.sensors.length === 16 && view.now.beams_m.length === 16");
+    keep_aside("view-replay-places.png", &mut page);
+    page.eval("document.getElementById('at').focus()");
+    page.press("End", "End");
+    page.wait("view.now.note === 'The recording ends here'");
+    // It has found out where it is, and is at its nest.
+    let off = |from: &str| {
+        format!("Math.hypot(...[0, 1].map((axis) => view.now.pose[axis] - {from}[axis])) < 0.3")
+    };
+    page.wait(&off("view.now.thinks"));
+    page.wait(&off("view.scene.start"));
+    fits(&mut page);
+    keep_aside("view-replay-nest.png", &mut page);
+    assert_eq!(page.errors(), [""; 0]);
+}

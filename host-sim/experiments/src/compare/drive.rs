@@ -17,10 +17,11 @@ use sim::behavior::Behavior;
 use sim::braitenberg::Braitenberg;
 use sim::episode::{Body, Seeds, Setup, drive_pilot, run_with};
 use sim::error::EpisodeError;
-use sim::pilot::{InspectableController, LocalController};
+use sim::pilot::InspectableController;
 use sim::ring_pilot::Policy;
 use sim::robot::AnyRobot;
-use sim::turret_pilot::{PolicyPilot, TurretController};
+use sim::sim_controller::SimController;
+use sim::turret_pilot::PolicyPilot;
 use std::f64::consts::TAU;
 
 /// How a method is measured.
@@ -242,11 +243,8 @@ impl MeasuredSite<'_> {
             second_robot: false,
             record: false,
         };
-        let outcome = match &self.robot {
-            None => self.observed(&setup, LocalController::new(config)),
-            Some(robot) => self.observed(&setup, TurretController::new(config, robot)),
-        };
-        Ok(vec![outcome?])
+        let controller = SimController::new(&config, self.robot.as_ref());
+        Ok(vec![self.observed(&setup, controller)?])
     }
 
     /// Measures the controller.

@@ -5,13 +5,13 @@ use amp::config::Config;
 use amp::controller::{Event, Mode, Outputs};
 use amp::fixed::Mask;
 use amp::places::Aim;
-use amp::turret::BodySpec;
-use amp::units::{Displacement, Millis, Range};
+use amp::units::{Displacement, Millis};
 use files::error::BadInput;
 use sim::error::EpisodeError;
-use sim::pilot::{AgedEcho, InspectableController as _, LocalController, Pilot, SimState};
-use sim::robot::{AnyRobot, MAX_BEAMS};
+use sim::pilot::{AgedEcho, InspectableController as _, Pilot, SimState};
+use sim::robot::AnyRobot;
 use sim::senses::{Readings, SenseGoal};
+use sim::sim_controller::SimController;
 use sim::turret_pilot::{SimTurret, TurretController};
 
 /// Place of a controller.
@@ -27,10 +27,8 @@ const DECISIONS_PER_READ: u32 = 20;
 
 /// A controller, local or remote.
 pub enum AnyController {
-    /// In this process, of the Nomad.
-    Host(Box<LocalController>),
-    /// In this process, of a robot whose sensors stand anywhere.
-    Body(Box<TurretController>, Box<AnyRobot>),
+    /// In this process, of a robot (`None` = the Nomad).
+    Host(SimController, Option<Box<AnyRobot>>),
     /// At the end of a link.
     Link(Box<CachedRemote>),
 }
@@ -74,13 +72,8 @@ impl AnyController {
     /// A controller in this process without any knowledge.
     #[must_use]
     pub fn local(config: &Config<16>, robot: Option<&AnyRobot>) -> Self {
-        match robot {
-            None => Self::Host(Box::new(LocalController::new(config.clone()))),
-            Some(robot) => {
-                let controller = TurretController::new(config.clone(), robot);
-                Self::Body(Box::new(controller), Box::new(robot.clone()))
-            }
-        }
+        let controller = SimController::new(config, robot);
+        Self::Host(controller, robot.cloned().map(Box::new))
     }
 
     /// Clears the knowledge and replaces the configuration.
@@ -89,8 +82,7 @@ impl AnyController {
     /// When it is remote and cannot be reached.
     pub fn reset(&mut self, config: &Config<16>) -> Result<(), LinkError> {
         match self {
-            Self::Host(_) => *self = Self::local(config, None),
-            Self::Body(_, robot) => *self = Self::local(config, Some(robot)),
+            Self::Host(_, robot) => *self = Self::local(config, robot.as_deref()),
             Self::Link(remote) => {
                 remote.controller.restart(config)?;
                 remote.state = None;
@@ -109,7 +101,7 @@ impl AnyController {
     #[must_use]
     pub fn name(&self) -> String {
         match self {
-            Self::Host(_) | Self::Body(..) => "this process".to_owned(),
+            Self::Host(..) => "this process".to_owned(),
             Self::Link(remote) => remote.name.clone(),
         }
     }
@@ -118,7 +110,7 @@ impl AnyController {
     #[must_use]
     pub fn replaced(&self) -> Vec<&'static str> {
         match self {
-            Self::Host(_) | Self::Body(..) => Vec::new(),
+            Self::Host(..) => Vec::new(),
             Self::Link(remote) => remote.controller.replaced(),
         }
     }
@@ -139,8 +131,7 @@ impl AnyController {
     /// When it is remote and cannot be reached.
     pub fn cached_state(&mut self) -> Result<&SimState, EpisodeError> {
         match self {
-            Self::Host(controller) => Ok(controller.state()),
-            Self::Body(controller, _) => Ok(controller.state()),
+            Self::Host(controller, _) => Ok(controller.state()),
             Self::Link(remote) => {
                 let state = match remote.state.take() {
                     Some(state) => state,
@@ -155,48 +146,39 @@ impl AnyController {
     #[must_use]
     pub fn enabled(&self) -> Mask {
         match self {
-            Self::Host(controller) => controller.enabled(),
-            Self::Body(controller, _) => controller.enabled(),
+            Self::Host(controller, _) => controller.enabled(),
             Self::Link(remote) => remote.controller.enabled(),
         }
     }
 
-    /// Ranges of a ring of sectors as they were at the last decision, and the body as it is known,
-    /// of a robot in this process whose sensors stand anywhere.
+    /// The controller in this process of a robot whose sensors stand anywhere.
     #[must_use]
-    pub fn perceived_body(&self) -> Option<([Option<Range>; 16], BodySpec<MAX_BEAMS>)> {
+    pub fn as_turret(&self) -> Option<&TurretController> {
         match self {
-            Self::Body(controller, _) => Some((*controller.ring(), controller.known_body())),
-            Self::Host(_) | Self::Link(_) => None,
+            Self::Host(controller, _) => controller.as_turret(),
+            Self::Link(_) => None,
         }
     }
 
     /// Points and places of a robot in this process that its places lead to goals.
     #[must_use]
     pub fn led_turret(&self) -> Option<&SimTurret> {
-        match self {
-            Self::Body(controller, _) => controller.led_turret(),
-            Self::Host(_) | Self::Link(_) => None,
-        }
+        self.as_turret()?.led_turret()
     }
 
     /// Random moves left of a robot in this process that finds its sensors.
     #[must_use]
     pub fn babble_moves_left(&self) -> Option<u16> {
-        match self {
-            Self::Body(controller, _) => match controller.state().mode() {
-                Mode::Babble { left } => Some(*left),
-                _ => None,
-            },
-            Self::Host(_) | Self::Link(_) => None,
+        match self.as_turret()?.state().mode() {
+            Mode::Babble { left } => Some(*left),
+            _ => None,
         }
     }
 
     /// The configuration.
     pub fn config(&self) -> &Config<16> {
         match self {
-            Self::Host(controller) => controller.config(),
-            Self::Body(controller, _) => controller.config(),
+            Self::Host(controller, _) => controller.config(),
             Self::Link(remote) => remote.controller.config(),
         }
     }
@@ -207,8 +189,7 @@ impl AnyController {
     /// When it is remote and moves, or cannot be reached.
     pub fn configure(&mut self, config: &Config<16>) -> Result<(), LinkError> {
         match self {
-            Self::Host(controller) => controller.configure(config.clone()),
-            Self::Body(controller, _) => controller.configure(config.clone()),
+            Self::Host(controller, _) => controller.configure(config.clone()),
             Self::Link(remote) => remote.controller.configure(config)?,
         }
         Ok(())
@@ -218,17 +199,14 @@ impl AnyController {
     /// and how strongly, 0 … 1.
     #[must_use]
     pub fn remembered(&self, goal: SenseGoal) -> Vec<(Displacement, f64)> {
-        match self {
-            Self::Body(controller, _) => controller.senses().remembered(goal),
-            Self::Host(_) | Self::Link(_) => Vec::new(),
-        }
+        let controller = self.as_turret();
+        controller.map_or_else(Vec::new, |controller| controller.senses().remembered(goal))
     }
 
-    /// Replaces configuration and knowledge; only in this process.
+    /// Replaces configuration and knowledge; only in this process, of the Nomad.
     pub fn replace(&mut self, knowledge: &Knowledge) {
-        if let Self::Host(controller) = self {
-            let (config, state) = (knowledge.config(), knowledge.state());
-            **controller = LocalController::with_state(config.clone(), state.clone());
+        if let Self::Host(controller, _) = self {
+            controller.replace(knowledge.config(), knowledge.state());
         }
     }
 }
@@ -236,44 +214,42 @@ impl AnyController {
 impl Pilot for AnyController {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         match self {
-            Self::Host(controller) => controller.handle(at, event),
-            Self::Body(controller, _) => controller.handle(at, event),
+            Self::Host(controller, _) => controller.handle(at, event),
             Self::Link(remote) => remote.controller.handle(at, event),
         }
     }
 
     fn echoes(&mut self, at: Millis, echoes: &[AgedEcho]) -> (usize, Outputs<16>) {
         match self {
-            Self::Host(controller) => controller.echoes(at, echoes),
-            Self::Body(controller, _) => controller.echoes(at, echoes),
+            Self::Host(controller, _) => controller.echoes(at, echoes),
             Self::Link(remote) => remote.controller.echoes(at, echoes),
         }
     }
 
     fn lead_to(&mut self, aim: Option<Aim>) -> Result<(), EpisodeError> {
         match self {
-            Self::Host(controller) => controller.lead_to(aim),
-            Self::Body(controller, _) => controller.lead_to(aim),
+            Self::Host(controller, _) => controller.lead_to(aim),
             Self::Link(remote) => remote.controller.lead_to(aim),
         }
     }
 
     fn sense(&mut self, at: Millis, readings: &Readings) {
-        if let Self::Body(controller, _) = self {
-            controller.sense(at, readings);
+        match self {
+            Self::Host(controller, _) => controller.sense(at, readings),
+            Self::Link(remote) => remote.controller.sense(at, readings),
         }
     }
 
     fn seek_sense(&mut self, goal: Option<SenseGoal>) -> Result<(), EpisodeError> {
         match self {
-            Self::Body(controller, _) => controller.seek_sense(goal),
-            Self::Host(_) | Self::Link(_) => goal.map_or(Ok(()), |_| Err(EpisodeError::NoPlaces)),
+            Self::Host(controller, _) => controller.seek_sense(goal),
+            Self::Link(remote) => remote.controller.seek_sense(goal),
         }
     }
 
     fn failure(&self) -> Option<EpisodeError> {
         match self {
-            Self::Host(_) | Self::Body(..) => None,
+            Self::Host(..) => None,
             Self::Link(remote) => remote.controller.failure(),
         }
     }

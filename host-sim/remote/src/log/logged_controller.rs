@@ -1,7 +1,8 @@
 //! A controller, local or remote, with an optional log of its inputs and answers.
 
 use super::logged_pilot::LoggedPilot;
-use super::record::{EventKind, SetupRecord};
+use super::record::EventKind;
+use super::setup_record::SetupRecord;
 use super::write::LogOutput;
 use crate::link::{AnyController, Knowledge, LinkError};
 use amp::config::Config;

@@ -1,14 +1,17 @@
 //! Wraps a pilot and logs its inputs and answers; it changes neither.
 
-use super::record::{AnswerRecord, EchoRecord, EventKind, EventRecord, SetupRecord};
+use super::record::{AnswerRecord, EchoRecord, EventKind, EventRecord};
+use super::setup_record::SetupRecord;
 use super::shared::SharedLog;
 use amp::controller::{Command, Event, Outputs};
 use amp::places::Aim;
+use amp::turret::BodySpec;
 use amp::units::Millis;
 use arena::world::World;
 use sim::episode::{Body, Observer, StepResult};
 use sim::error::EpisodeError;
 use sim::pilot::{AgedEcho, InspectableController, Pilot, SimState};
+use sim::robot::MAX_BEAMS;
 use sim::senses::{Readings, SenseGoal};
 use std::io::{Seek, Write};
 
@@ -18,8 +21,13 @@ pub struct LoggedPilot<P, W: Write + Seek> {
     log: Option<SharedLog<W>>,
     /// Time and number of ticks without a result that are not logged yet.
     ticks: Option<(Millis, u32)>,
+    /// The robot's sensors stand anywhere: every tick is a step of finding them, and places may
+    /// lead it.
+    has_body: bool,
     /// The pilot learns: every tick is a step of learning.
     learning: bool,
+    /// Time of the latest event.
+    now: Millis,
     /// Time of the latest logged event.
     last_logged: Option<Millis>,
 }
@@ -31,7 +39,9 @@ impl<P, W: Write + Seek> LoggedPilot<P, W> {
             pilot,
             log,
             ticks: None,
+            has_body: false,
             learning: false,
+            now: Millis::from_ms(0),
             last_logged: None,
         }
     }
@@ -64,6 +74,7 @@ impl<P, W: Write + Seek> LoggedPilot<P, W> {
     pub fn begin(&mut self, setup: &SetupRecord, world: Option<&World>) {
         self.flush_ticks();
         (self.learning, self.last_logged) = (false, None);
+        (self.has_body, self.now) = (setup.robot.is_some(), Millis::from_ms(0));
         if let Some(log) = &self.log {
             log.write(|log| log.setup(setup, world));
         }
@@ -82,10 +93,11 @@ impl<P, W: Write + Seek> LoggedPilot<P, W> {
         });
     }
 
-    /// Ticks of a learning controller are counted. Any other tick without a result only advances
-    /// the time: only the last of several is logged, and none after an event of the same time.
+    /// Ticks of a learning controller or of any body are counted. Any other tick without a result
+    /// only advances the time: only the last of several is logged, and none after an event of the
+    /// same time.
     fn tick(&mut self, at: Millis, outputs: &Outputs<16>) {
-        if *outputs == Outputs::NONE && !self.learning {
+        if *outputs == Outputs::NONE && !self.learning && !self.has_body {
             let is_new = self
                 .last_logged
                 .is_none_or(|last_logged| last_logged.is_before(at));
@@ -120,6 +132,7 @@ impl<P, W: Write + Seek> LoggedPilot<P, W> {
 impl<P: Pilot, W: Write + Seek> Pilot for LoggedPilot<P, W> {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         let outputs = self.pilot.handle(at, event);
+        self.now = at;
         if outputs.mode_changed {
             self.learning = event == Event::Command(Command::Learn);
         }
@@ -133,6 +146,7 @@ impl<P: Pilot, W: Write + Seek> Pilot for LoggedPilot<P, W> {
 
     fn echoes(&mut self, at: Millis, echoes: &[AgedEcho]) -> (usize, Outputs<16>) {
         let (taken, outputs) = self.pilot.echoes(at, echoes);
+        self.now = at;
         if !self.is_off() {
             let records = echoes.iter().take(taken);
             let records = records.map(EchoRecord::of).collect();
@@ -142,15 +156,21 @@ impl<P: Pilot, W: Write + Seek> Pilot for LoggedPilot<P, W> {
     }
 
     fn lead_to(&mut self, aim: Option<Aim>) -> Result<(), EpisodeError> {
-        self.pilot.lead_to(aim)
+        self.pilot.lead_to(aim)?;
+        self.log_for_body(self.now, || EventKind::LeadTo(aim));
+        Ok(())
     }
 
     fn sense(&mut self, at: Millis, readings: &Readings) {
         self.pilot.sense(at, readings);
+        self.log_for_body(at, || EventKind::Sense(*readings));
     }
 
     fn seek_sense(&mut self, goal: Option<SenseGoal>) -> Result<(), EpisodeError> {
-        self.pilot.seek_sense(goal)
+        self.pilot.seek_sense(goal)?;
+        let name = || goal.map(|goal| goal.name());
+        self.log_for_body(self.now, || EventKind::SeekSense(name()));
+        Ok(())
     }
 
     fn failure(&self) -> Option<EpisodeError> {
@@ -165,11 +185,22 @@ impl<P: Pilot, W: Write + Seek> LoggedPilot<P, W> {
     fn is_off(&self) -> bool {
         self.log.is_none() || self.pilot.failure().is_some()
     }
+
+    /// Logs what only a robot is told whose sensors stand anywhere.
+    fn log_for_body(&mut self, at: Millis, what: impl FnOnce() -> EventKind) {
+        if self.has_body && !self.is_off() {
+            self.write_event(at, what(), &Outputs::NONE);
+        }
+    }
 }
 
 impl<P: InspectableController, W: Write + Seek> InspectableController for LoggedPilot<P, W> {
     fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
         self.pilot.knowledge()
+    }
+
+    fn body(&mut self) -> Result<Option<BodySpec<MAX_BEAMS>>, EpisodeError> {
+        self.pilot.body()
     }
 }
 
@@ -189,8 +220,10 @@ impl<W: Write + Seek> Observer for WorldLogger<W> {
     fn on_step(&mut self, at: Millis, result: &StepResult, body: &Body<'_>) {
         self.log.write(|log| {
             log.pose(at, result.pose, body.leader());
-            if result.decision.is_some() {
-                log.sonar(at, body.ranges_m());
+            match (&result.decision, body.robot()) {
+                (None, _) => {}
+                (Some(_), None) => log.sonar(at, body.ranges_m()),
+                (Some(_), Some(robot)) => log.beams(at, &robot.mounts(), body.ranges_m()),
             }
             if let Some(moved) = result.moved.filter(|moved| moved.touched) {
                 log.contact(at, moved.to);

@@ -14,6 +14,7 @@ mod replay;
 mod replayer;
 mod run;
 mod scene;
+mod setup_record;
 mod shared;
 mod summary;
 mod write;
@@ -23,13 +24,13 @@ pub use logged_controller::LoggedController;
 pub use logged_pilot::{LoggedPilot, WorldLogger};
 pub use read::{Ending, LogFile, LogMessage, Messages, read};
 pub use record::{
-    AnswerRecord, DecisionRecord, EchoRecord, EventKind, EventRecord, FORMAT, MotionRecord,
-    PlanRecord, SetupRecord,
+    AnswerRecord, DecisionRecord, EchoRecord, EventKind, EventRecord, MotionRecord, PlanRecord,
 };
 pub use replay::{ReplayResult, replay};
 pub use replayer::Replayer;
 pub use run::run;
 pub use scene::{SceneChange, pose_of, scene_changes};
+pub use setup_record::{FORMAT, RobotRecord, SetupRecord};
 pub use shared::SharedLog;
 pub use summary::Summary;
 pub use write::{CHUNK_BYTES, LogOutput, LogWriter};

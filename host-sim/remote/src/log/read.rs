@@ -3,7 +3,7 @@
 use super::channel;
 use super::check::{self, Chunk, LogDamage, LogDefect};
 use super::fields::FieldReader;
-use super::record::{FORMAT, OLDEST_FORMAT, SetupRecord};
+use super::setup_record::{FORMAT, OLDEST_FORMAT, SetupRecord};
 use files::error::BadInput;
 use mcap::records::op;
 use serde::Deserialize;

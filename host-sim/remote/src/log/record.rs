@@ -1,4 +1,4 @@
-//! The JSON records of the channels `/setup`, `/event` and `/plan`.
+//! The JSON records of the channels `/event` and `/plan`.
 
 use amp::config::Config;
 use amp::controller::{
@@ -6,60 +6,12 @@ use amp::controller::{
 };
 use amp::fixed::Weight;
 use amp::goal::Goal;
+use amp::places::Aim;
 use amp::planner::Plan;
 use amp::units::{Bearing, Displacement, Range};
 use serde::{Deserialize, Serialize};
 use sim::pilot::AgedEcho;
-
-/// Conditions of a start without knowledge.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SetupRecord {
-    /// Version of the format: [`FORMAT`].
-    pub format: u32,
-    /// Version of the program.
-    pub program: String,
-    /// Name of the world.
-    pub world: String,
-    /// Behavior of the episode.
-    pub behavior: String,
-    /// Name of the configuration's preset.
-    pub preset: String,
-    /// Seed of all randomness.
-    pub seed: u64,
-    /// Sonar model.
-    pub sonar: String,
-    /// What the ring does while the base steers.
-    pub turret: String,
-    /// Number of random moves.
-    pub explore_moves: u16,
-    /// The controller's configuration.
-    pub config: Config<16>,
-}
-
-impl SetupRecord {
-    /// The conditions of an episode in a world of this name.
-    #[must_use]
-    pub fn of(world: &str, setup: &sim::episode::Setup) -> Self {
-        Self {
-            format: FORMAT,
-            program: env!("CARGO_PKG_VERSION").to_owned(),
-            world: world.to_owned(),
-            behavior: setup.behavior.name(),
-            preset: setup.preset.clone(),
-            seed: setup.seed,
-            sonar: setup.sonar.name().to_owned(),
-            turret: setup.turret.name().to_owned(),
-            explore_moves: setup.explore_moves,
-            config: setup.config.clone(),
-        }
-    }
-}
-
-/// Version of the records.
-pub const FORMAT: u32 = 4;
-
-/// The oldest version that can be read; 3 differs in names, which are read as aliases.
-pub(super) const OLDEST_FORMAT: u32 = 3;
+use sim::senses::Readings;
 
 /// An input of the controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -127,6 +79,13 @@ pub enum EventKind {
     Configure(Box<Config<16>>),
     /// Uploaded knowledge: the bytes of a controller's file, in hexadecimal.
     Know(String),
+    /// Its places lead the robot there from now on; `None`: nowhere.
+    LeadTo(Option<Aim>),
+    /// What else its sensors read, where it is.
+    Sense(Readings),
+    /// It is led to this in another modality from now on, by its name on the command line; `None`:
+    /// to nothing.
+    SeekSense(Option<String>),
 }
 
 /// An echo.
@@ -215,9 +174,13 @@ impl EventKind {
     #[must_use]
     pub fn event(&self) -> Option<Event<16>> {
         Some(match *self {
-            Self::Echoes(_) | Self::Ticks { .. } | Self::Configure(_) | Self::Know(_) => {
-                return None;
-            }
+            Self::Echoes(_)
+            | Self::Ticks { .. }
+            | Self::Configure(_)
+            | Self::Know(_)
+            | Self::LeadTo(_)
+            | Self::Sense(_)
+            | Self::SeekSense(_) => return None,
             Self::Odometry {
                 motion,
                 moved_mm: [dx_mm, dy_mm],
@@ -382,6 +345,7 @@ fn pair(displacement: Displacement) -> [i16; 2] {
 mod tests {
     use super::*;
     use amp::goal::Side;
+    use arena::sources::Sensed;
 
     #[test]
     fn every_event_comes_back_from_json() {
@@ -433,6 +397,39 @@ mod tests {
             let json = serde_json::to_string(&EchoRecord::of(&echo)).unwrap();
             let back: EchoRecord = serde_json::from_str(&json).unwrap();
             assert_eq!(back.echo(), echo, "{json}");
+        }
+    }
+
+    #[test]
+    fn what_a_body_is_told_comes_back_from_json() {
+        let position = Displacement {
+            dx_mm: -7,
+            dy_mm: 1_250,
+        };
+        let aims = [
+            Aim::Frontier,
+            Aim::Everywhere,
+            Aim::Situation,
+            Aim::Position(position),
+        ];
+        let aims = aims.map(Some).into_iter().chain([None]);
+        let goals = [Some("floor:red".to_owned()), None];
+        let sensed = Sensed {
+            scent: 0.5,
+            light: 1.0,
+            floor: [0.25; 3],
+        };
+        let readings = Readings::of(&sensed, || 1.0);
+        let events = aims
+            .map(EventKind::LeadTo)
+            .chain(goals.map(EventKind::SeekSense))
+            .chain([EventKind::Sense(readings)]);
+        for event in events {
+            let record = EventRecord { at_ms: 7, event };
+            let json = serde_json::to_string(&record).unwrap();
+            let back: EventRecord = serde_json::from_str(&json).unwrap();
+            assert_eq!(back, record, "{json}");
+            assert_eq!(back.event.event(), None, "{json}");
         }
     }
 

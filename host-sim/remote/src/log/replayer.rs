@@ -1,11 +1,16 @@
 //! Feeds the events of a log to a controller and compares its answers.
 
-use super::record::{AnswerRecord, EventKind, EventRecord, SetupRecord};
+use super::record::{AnswerRecord, EventKind, EventRecord};
+use super::setup_record::SetupRecord;
 use crate::link::Knowledge;
 use amp::controller::{Event, Mode, Outputs};
 use amp::units::Millis;
 use files::hex::unhex;
-use sim::pilot::{LocalController, Pilot as _};
+use sim::error::EpisodeError;
+use sim::pilot::Pilot as _;
+use sim::senses::SenseGoal;
+use sim::sim_controller::SimController;
+use sim::turret_pilot::TurretController;
 use std::collections::VecDeque;
 
 /// Limit for the ticks of learning.
@@ -13,7 +18,7 @@ const MAX_TICKS: u32 = 10_000_000;
 
 /// A controller and its answers that are not compared yet.
 pub struct Replayer {
-    controller: LocalController,
+    controller: SimController,
     answers: VecDeque<AnswerRecord>,
 }
 
@@ -22,14 +27,17 @@ impl Replayer {
     #[must_use]
     pub fn new(setup: &SetupRecord) -> Self {
         Self {
-            controller: LocalController::new(setup.config.clone()),
+            controller: SimController::told(
+                &setup.config,
+                setup.robot.as_ref().map(|robot| &robot.told),
+            ),
             answers: VecDeque::new(),
         }
     }
 
     /// The controller in its current state.
     #[must_use]
-    pub fn controller(&self) -> &LocalController {
+    pub fn controller(&self) -> &SimController {
         &self.controller
     }
 
@@ -55,7 +63,14 @@ impl Replayer {
             }
             EventKind::Ticks { count, done } => self.tick(at, *count, *done, &mut on_outputs),
             EventKind::Configure(config) => self.controller.configure((**config).clone()),
-            EventKind::Know(hex) => self.controller = decode_controller(hex)?,
+            EventKind::Know(hex) => self.know(hex)?,
+            EventKind::LeadTo(aim) => told(self.controller.lead_to(*aim))?,
+            EventKind::Sense(readings) => self.controller.sense(at, readings),
+            EventKind::SeekSense(goal) => {
+                let goal = goal.as_deref().map(str::parse::<SenseGoal>).transpose();
+                let goal = goal.map_err(|why| why.to_string())?;
+                told(self.controller.seek_sense(goal))?;
+            }
             other => {
                 if let Some(event) = other.event() {
                     let outputs = self.controller.handle(at, event);
@@ -67,7 +82,7 @@ impl Replayer {
     }
 
     /// Ticks that ended learning do so here too, whatever their number. At most the last tick has
-    /// an answer; outside learning a second tick of the same time does nothing.
+    /// an answer; a second tick of the same time does nothing where it is no step of thinking.
     fn tick(
         &mut self,
         at: Millis,
@@ -79,11 +94,24 @@ impl Replayer {
         for _ in 0..max_ticks.min(MAX_TICKS) {
             let outputs = self.controller.handle(at, Event::Tick);
             self.collect(at, &outputs, on_outputs);
-            let learns = matches!(self.controller.state().mode(), Mode::Learn { .. });
-            if outputs != Outputs::NONE || !learns {
+            if outputs != Outputs::NONE || !self.thinks() {
                 break;
             }
         }
+    }
+
+    /// Whether each tick is a step of learning or of finding sensors.
+    fn thinks(&self) -> bool {
+        let turret = self.controller.as_turret();
+        matches!(self.controller.state().mode(), Mode::Learn { .. })
+            || turret.is_some_and(TurretController::is_solving)
+    }
+
+    fn know(&mut self, hex: &str) -> Result<(), String> {
+        let bytes = unhex(hex).ok_or("knowledge: not in hexadecimal")?;
+        let knowledge = Knowledge::from_bytes(&bytes).map_err(|why| format!("knowledge: {why}"))?;
+        (self.controller).replace(knowledge.config(), knowledge.state());
+        Ok(())
     }
 
     fn collect(
@@ -109,11 +137,9 @@ impl Replayer {
     }
 }
 
-fn decode_controller(hex: &str) -> Result<LocalController, String> {
-    let bytes = unhex(hex).ok_or("knowledge: not in hexadecimal")?;
-    let knowledge = Knowledge::from_bytes(&bytes).map_err(|why| format!("knowledge: {why}"))?;
-    let (config, state) = (knowledge.config(), knowledge.state());
-    Ok(LocalController::with_state(config.clone(), state.clone()))
+/// What the controller was told, it took.
+fn told(taken: Result<(), EpisodeError>) -> Result<(), String> {
+    taken.map_err(|why| why.to_string())
 }
 
 fn difference_text(logged: Option<&AnswerRecord>, found: Option<&AnswerRecord>) -> String {

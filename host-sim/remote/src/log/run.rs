@@ -1,11 +1,11 @@
 //! Runs an episode and writes its log.
 
 use super::logged_pilot::{LoggedPilot, WorldLogger};
-use super::record::SetupRecord;
+use super::setup_record::SetupRecord;
 use super::shared::SharedLog;
 use super::write::LogWriter;
 use arena::world::World;
-use sim::episode::{self, Episode, Setup};
+use sim::episode::{self, Episode, Setup, completed_world};
 use sim::error::EpisodeError;
 use sim::pilot::InspectableController;
 use std::path::Path;
@@ -21,11 +21,12 @@ pub fn run(
     controller: impl InspectableController,
     path: &Path,
 ) -> Result<Episode, EpisodeError> {
+    let completed = completed_world(world, setup)?;
+    let world = completed.as_ref().unwrap_or(world);
     let log = LogWriter::create(path).map_err(|error| EpisodeError::Log(error.to_string()))?;
     let log = SharedLog::new(log);
-    let record = SetupRecord::of(world.name(), setup);
-    log.write(|log| log.setup(&record, Some(world)));
     let mut logged = LoggedPilot::new(controller, Some(log.clone()));
+    logged.begin(&SetupRecord::of(world.name(), setup), Some(world));
     let mut world_logger = WorldLogger::new(log.clone());
     let result = episode::run_observed(
         world,

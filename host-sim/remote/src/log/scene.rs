@@ -2,9 +2,12 @@
 
 use super::read::LogMessage;
 use arena::robot::COLLISION_RADIUS_M;
+use arena::robot_model::SensorMount;
 use arena::sonar::RingGeometry;
+use arena::sources::Sources;
 use arena::world::{Point, Pose, Shape, World};
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 
@@ -12,9 +15,13 @@ use std::f64::consts::TAU;
 const WORLD: &str = "world";
 /// Frame of the ring: x along transducer 0, y to its left.
 const RING: &str = "ring";
-/// The entity of all surfaces, and the metadata key of their shapes.
+/// The entity of all surfaces, and the metadata keys of their shapes and of what else can be
+/// perceived.
 const SURFACES: &str = "surfaces";
 const SHAPES: &str = "shapes";
+const SOURCES: &str = "sources";
+/// The entity of what the sensors of a body hear.
+const BEAMS: &str = "beams";
 /// The entity of the second robot.
 const LEADER: &str = "leader";
 /// Height of the drawn bodies, meters: about that of a Nomad 200.
@@ -72,13 +79,13 @@ pub(super) fn frame_transform(time: u64, pose: Pose) -> Value {
     })
 }
 
-/// The world, if it is known, and the body as a cylinder that moves with the ring. `replace_all`
-/// deletes everything drawn before.
-pub(super) fn begin(time: u64, world: Option<&World>, replace_all: bool) -> Value {
+/// The world, if it is known, and a body of this radius, meters, as a cylinder that moves with the
+/// ring. `replace_all` deletes everything drawn before.
+pub(super) fn begin(time: u64, world: Option<&World>, radius_m: f64, replace_all: bool) -> Value {
     let mut body = entity(time, RING, "robot");
     body["frame_locked"] = json!(true);
     let middle = Point::new(0.0, 0.0);
-    body["cylinders"] = json!([cylinder(middle, COLLISION_RADIUS_M, [0.1, 0.45, 0.8], 0.8)]);
+    body["cylinders"] = json!([cylinder(middle, radius_m, [0.1, 0.45, 0.8], 0.8)]);
     let surfaces = world.map(|world| surfaces(time, world));
     let entities: Vec<_> = surfaces.into_iter().chain([body]).collect();
     // Type 1 deletes everything.
@@ -92,24 +99,58 @@ pub(super) fn changed(time: u64, world: &World) -> Value {
     json!({"deletions": [], "entities": [surfaces(time, world)]})
 }
 
+/// A line from each sensor that hears something to where it is straight ahead, in the frame of the
+/// ring.
+pub(super) fn beams(time: u64, sensors: &[SensorMount], ranges_m: &[Option<f64>; 16]) -> Value {
+    let heard = sensors.iter().zip(ranges_m);
+    let ends = heard.filter_map(|(sensor, range_m)| {
+        let from = sensor.position;
+        let to = from + Point::unit(sensor.bearing_rad) * (*range_m)?;
+        Some([point(from, 0.0), point(to, 0.0)])
+    });
+    let ends: Vec<_> = ends.flatten().collect();
+    let mut beams = entity(time, RING, BEAMS);
+    beams["lines"] = json!([lines(&ends, 1.0, color([0.1, 0.45, 0.8], 0.6))]);
+    json!({"deletions": [], "entities": [beams]})
+}
+
+/// Lines of this thickness in pixels between each two points.
+fn lines(ends: &[Value], thickness: f64, color: Value) -> Value {
+    json!({
+        "type": 2, "pose": unrotated_pose(Point::new(0.0, 0.0), 0.0), "thickness": thickness, "scale_invariant": true,
+        "points": ends, "color": color, "colors": [], "indices": [],
+    })
+}
+
 /// Surfaces as lines and posts as cylinders, with their shapes as metadata.
 fn surfaces(time: u64, world: &World) -> Value {
     let ends = world
         .segments()
         .flat_map(|(from, to)| [point(from, 0.0), point(to, 0.0)]);
-    let lines = json!({
-        "type": 2, "pose": unrotated_pose(Point::new(0.0, 0.0), 0.0), "thickness": 2.0, "scale_invariant": true,
-        "points": ends.collect::<Vec<_>>(), "color": color([0.5, 0.5, 0.55], 1.0), "colors": [], "indices": [],
-    });
+    let ends: Vec<_> = ends.collect();
     let posts = world.shapes().iter().filter_map(|shape| match *shape {
         Shape::Circle { center, radius } => Some(cylinder(center, radius, [0.5, 0.5, 0.55], 0.6)),
         _ => None,
     });
     let mut surfaces = entity(time, WORLD, SURFACES);
-    surfaces["lines"] = json!([lines]);
+    surfaces["lines"] = json!([lines(&ends, 2.0, color([0.5, 0.5, 0.55], 1.0))]);
     surfaces["cylinders"] = posts.collect();
-    surfaces["metadata"] = json!([{"key": SHAPES, "value": json!(world.shapes()).to_string()}]);
+    let mut metadata = vec![json!({"key": SHAPES, "value": json!(world.shapes()).to_string()})];
+    let sources = world.sources();
+    if !sources.is_empty() {
+        metadata.push(json!({"key": SOURCES, "value": json!(sources).to_string()}));
+        surfaces["spheres"] = bulbs(sources).collect();
+    }
+    surfaces["metadata"] = json!(metadata);
     surfaces
+}
+
+/// Scents and lamps as spheres.
+fn bulbs(sources: &Sources) -> impl Iterator<Item = Value> {
+    let scents = sources.scents.iter();
+    let scents = scents.map(|scent| sphere(scent.position, 0.1, [0.3, 0.7, 0.3]));
+    let lights = sources.lights.iter();
+    scents.chain(lights.map(|light| sphere(light.position, 2.0, [0.95, 0.85, 0.3])))
 }
 
 pub(super) fn leader(time: u64, at: Point) -> Value {
@@ -120,10 +161,14 @@ pub(super) fn leader(time: u64, at: Point) -> Value {
 
 pub(super) fn contact(time: u64, at: Point, number: usize) -> Value {
     let mut entity = entity(time, WORLD, &format!("contact {number}"));
-    entity["spheres"] = json!([{
-        "pose": unrotated_pose(at, HEIGHT_M), "size": {"x": 0.12, "y": 0.12, "z": 0.12}, "color": color([0.85, 0.1, 0.1], 1.0),
-    }]);
+    entity["spheres"] = json!([sphere(at, HEIGHT_M, [0.85, 0.1, 0.1])]);
     json!({"deletions": [], "entities": [entity]})
+}
+
+fn sphere(at: Point, z: f64, rgb: [f64; 3]) -> Value {
+    json!({
+        "pose": unrotated_pose(at, z), "size": {"x": 0.12, "y": 0.12, "z": 0.12}, "color": color(rgb, 1.0),
+    })
 }
 
 fn cylinder(at: Point, radius: f64, rgb: [f64; 3], alpha: f64) -> Value {
@@ -136,8 +181,8 @@ fn cylinder(at: Point, radius: f64, rgb: [f64; 3], alpha: f64) -> Value {
 /// A change of the scene.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SceneChange {
-    /// All shapes of the world.
-    Shapes(Vec<Shape>),
+    /// All shapes of the world, and what else can be perceived in it.
+    World(Vec<Shape>, Sources),
     /// Position of the second robot.
     Leader(Point),
 }
@@ -152,6 +197,14 @@ struct Entity {
     id: String,
     metadata: Vec<Pair>,
     cylinders: Vec<Cylinder>,
+}
+
+impl Entity {
+    fn value<T: DeserializeOwned>(&self, key: &str) -> Result<Option<T>, String> {
+        let pair = self.metadata.iter().find(|pair| pair.key == key);
+        let value = pair.map(|pair| serde_json::from_str(&pair.value));
+        value.transpose().map_err(|why| why.to_string())
+    }
 }
 
 #[derive(Deserialize)]
@@ -192,10 +245,10 @@ pub fn scene_changes(message: &LogMessage) -> Result<Vec<SceneChange>, String> {
     let update: SceneUpdate = message.content()?;
     let mut changes = Vec::new();
     for entity in update.entities {
-        let shapes = entity.metadata.iter().find(|pair| pair.key == SHAPES);
+        let shapes = entity.value(SHAPES)?;
         if let Some(shapes) = shapes {
-            let shapes = serde_json::from_str(&shapes.value);
-            changes.push(SceneChange::Shapes(shapes.map_err(|why| why.to_string())?));
+            let sources = entity.value(SOURCES)?.unwrap_or_default();
+            changes.push(SceneChange::World(shapes, sources));
         }
         if let (LEADER, Some(leader)) = (entity.id.as_str(), entity.cylinders.first()) {
             changes.push(SceneChange::Leader(leader.pose.position));

@@ -93,7 +93,12 @@ impl Summary {
             EventKind::Touched => "bumper",
             EventKind::Configure(_) => "other choices",
             EventKind::Know(_) => "knowledge from a file",
-            EventKind::Echoes(_) | EventKind::Ticks { .. } => return,
+            EventKind::SeekSense(Some(_)) => "seek in another modality",
+            EventKind::Echoes(_)
+            | EventKind::Ticks { .. }
+            | EventKind::LeadTo(_)
+            | EventKind::Sense(_)
+            | EventKind::SeekSense(None) => return,
         };
         self.commands.push((seconds, command));
     }

@@ -5,10 +5,15 @@ use super::read::LogFile;
 use super::*;
 use amp::controller::{Event, Outputs};
 use amp::units::Millis;
+use arena::robot_model::RobotModel;
 use arena::sonar::SonarModel;
 use arena::world::World;
-use sim::episode::{self};
+use sim::behavior::{Behavior, Tour, TourBy};
+use sim::episode::{self, Setup};
 use sim::pilot::{LocalController, Pilot};
+use sim::robot::{AnyRobot, Origin, Ranges};
+use sim::senses::SenseGoal;
+use sim::sim_controller::SimController;
 use std::io::{Cursor, Seek, SeekFrom, Write};
 use std::path::Path;
 
@@ -34,6 +39,52 @@ fn a_log_does_not_change_the_episode_and_is_the_same_twice() {
     let watched = run(&world, &setup, controller, &path).unwrap();
     assert_eq!(plain.report, watched.report);
     assert_eq!(std::fs::read(path).unwrap(), logged(SonarModel::Nomad));
+}
+
+/// It finds its sensors, learns, drives around by its places, is carried and turned, and comes back
+/// by a scent.
+#[test]
+fn a_log_of_a_robot_with_places_replays_bit_for_bit() {
+    let told = |robot: AnyRobot| robot.with_geometry(Origin::Learned).unwrap();
+    let tour = Tour {
+        steps: 60,
+        by: TourBy::Frontier,
+    };
+    let nest = Behavior::Nest {
+        tour,
+        is_turned: true,
+    };
+    let scent = Behavior::Sense {
+        goal: SenseGoal::Scent,
+        tour,
+    };
+    let p3dx = AnyRobot::new(RobotModel::builtin("p3dx").unwrap(), Ranges::Own, true).unwrap();
+    for (sonar, robot, behavior) in [
+        (SonarModel::Ideal, p3dx.clone(), scent.clone()),
+        (SonarModel::Ideal, told(p3dx.clone()), nest.clone()),
+        (SonarModel::Nomad, told(p3dx.clone()), scent),
+        (SonarModel::Nomad, p3dx, nest),
+    ] {
+        let ring = setup(sonar);
+        let setup = Setup {
+            config: robot.config(ring.config.clone()),
+            robot: Some(robot),
+            behavior,
+            ..ring
+        };
+        let world = World::random(3);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.mcap");
+        let controller = SimController::new(&setup.config, setup.robot.as_ref());
+        let episode = run(&world, &setup, controller, &path).unwrap();
+        let plain = episode::run(&world, &setup, |_, _, _| {}).unwrap();
+        assert_eq!(plain.report, episode.report);
+        assert_eq!(plain.bearing_errors_deg, episode.bearing_errors_deg);
+        let log = file(std::fs::read(path).unwrap());
+        let done = replay(&log, |_| {}).unwrap();
+        assert_eq!(done.difference, None, "{sonar:?}");
+        assert!(done.decisions >= 100, "{done:?}");
+    }
 }
 
 #[test]
@@ -185,12 +236,26 @@ impl Pilot for Idle {
 
 #[test]
 fn ticks_that_change_nothing_are_written_where_they_let_time_pass() {
+    // A body may find its sensors in each tick.
+    let p3dx = AnyRobot::new(RobotModel::builtin("p3dx").unwrap(), Ranges::Own, true).unwrap();
+    assert_eq!(logged_times(None), [100, 120, 130, 140]);
+    assert_eq!(
+        logged_times(Some(p3dx)),
+        [100, 100, 110, 120, 130, 130, 140]
+    );
+}
+
+/// Times of the logged events of a robot whose controller does nothing.
+fn logged_times(robot: Option<AnyRobot>) -> Vec<u32> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
     let log = SharedLog::new(LogWriter::create(&path).unwrap());
     let mut tap = LoggedPilot::new(Idle, Some(log.clone()));
-    let record = SetupRecord::of("room", &setup(SonarModel::Ideal));
-    tap.begin(&record, None);
+    let setup = Setup {
+        robot,
+        ..setup(SonarModel::Ideal)
+    };
+    tap.begin(&SetupRecord::of("room", &setup), None);
     let mut tell = |at_ms, event| {
         let _ = tap.handle(Millis::from_ms(at_ms), event);
     };
@@ -207,5 +272,5 @@ fn ticks_that_change_nothing_are_written_where_they_let_time_pass() {
         .messages()
         .filter(|message| message.topic == channel::EVENT);
     let times = events.map(|message| message.content::<EventRecord>().unwrap().at_ms);
-    assert_eq!(times.collect::<Vec<_>>(), [100, 120, 130, 140]);
+    times.collect()
 }

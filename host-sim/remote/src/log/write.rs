@@ -2,9 +2,12 @@
 
 use super::channel;
 use super::read::max_message_bytes;
-use super::record::{AnswerRecord, EventRecord, SetupRecord};
+use super::record::{AnswerRecord, EventRecord};
 use super::scene;
+use super::setup_record::SetupRecord;
 use amp::units::Millis;
+use arena::robot::COLLISION_RADIUS_M;
+use arena::robot_model::SensorMount;
 use arena::world::{Point, Pose, World};
 use files::error::BadInput;
 use mcap::records::MessageHeader;
@@ -164,7 +167,11 @@ impl<W: Write + Seek> LogWriter<W> {
     pub fn setup(&mut self, setup: &SetupRecord, world: Option<&World>) {
         self.began = self.latest;
         self.write(channel::SETUP, self.began, setup);
-        let scene = scene::begin(self.began, world, self.starts > 0);
+        let radius_m = setup
+            .robot
+            .as_ref()
+            .map_or(COLLISION_RADIUS_M, |robot| robot.radius_m);
+        let scene = scene::begin(self.began, world, radius_m, self.starts > 0);
         self.write(channel::SCENE, self.began, &scene);
         self.starts += 1;
     }
@@ -189,6 +196,12 @@ impl<W: Write + Seek> LogWriter<W> {
     pub fn sonar(&mut self, at: Millis, ranges_m: &[Option<f64>; 16]) {
         let time = self.time(at.as_ms());
         self.write(channel::SONAR, time, &scene::laser_scan(time, ranges_m));
+    }
+
+    /// Writes the latest ranges of a body's sensors, meters.
+    pub fn beams(&mut self, at: Millis, sensors: &[SensorMount], ranges_m: &[Option<f64>; 16]) {
+        let time = self.time(at.as_ms());
+        self.write(channel::SCENE, time, &scene::beams(time, sensors, ranges_m));
     }
 
     /// Writes the poses of the robot and of the leader.

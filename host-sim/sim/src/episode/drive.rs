@@ -7,18 +7,17 @@ use super::measure::Measure;
 use super::metrics::{EpisodeReport, Metrics, StepFlags};
 use super::record::StepRecorder;
 use super::setup::Setup;
-use super::sources::with_missing_sources;
+use super::sources::completed_world;
 use crate::behavior::Behavior;
 use crate::error::EpisodeError;
-use crate::pilot::{InspectableController, LocalController, Pilot};
+use crate::pilot::{InspectableController, Pilot};
 use crate::recording::Recording;
 use crate::robot::Origin;
-use crate::turret_pilot::TurretController;
+use crate::sim_controller::SimController;
 use amp::controller::{Command, Decision, Event};
 use amp::fixed::{Mask, Weight};
 use amp::scan::Situation;
 use amp::units::Millis;
-use arena::noise::Noise;
 use arena::sources::Sensed;
 use arena::world::{Point, Pose, World};
 
@@ -60,16 +59,8 @@ pub fn run(
     setup: &Setup,
     progress: impl FnMut(Phase, u32, u32),
 ) -> Result<Episode, EpisodeError> {
-    match &setup.robot {
-        None => {
-            let mut controller = LocalController::new(setup.config.clone());
-            run_with(world, setup, &mut controller, progress)
-        }
-        Some(robot) => {
-            let mut controller = TurretController::new(setup.config.clone(), robot);
-            run_with(world, setup, &mut controller, progress)
-        }
-    }
+    let mut controller = SimController::new(&setup.config, setup.robot.as_ref());
+    run_with(world, setup, &mut controller, progress)
 }
 
 /// As [`run`], with any controller. It should have the setup's configuration and no knowledge.
@@ -156,10 +147,8 @@ pub(super) fn explored<'w>(
         Some(robot) => Body::of_robot(world, robot, setup.sonar, seeds.noise),
     };
     let mut body = body.with_faults(&setup.faults).sensing(seeds.sources);
-    let noise = Noise::new(seeds.sources);
-    let sourced = with_missing_sources(world, &setup.behavior, body.radius_m(), noise);
-    if let Some(sourced) = sourced.map_err(|why| EpisodeError::World(why.to_string()))? {
-        body.set_world(sourced);
+    if let Some(completed) = completed_world(world, setup)? {
+        body.set_world(completed);
     }
     let mut runner = EpisodeRunner::new(world, body, setup.record);
     runner.observer = observer;

@@ -33,7 +33,7 @@ pub use metrics::{EpisodeReport, Metrics, StepFlags};
 pub use places::elsewhere;
 pub use pursue::{CARRY_TIME_S, repeat};
 pub use setup::Setup;
-pub use sources::with_missing_sources;
+pub use sources::{completed_world, with_missing_sources};
 
 use rand_core::{Rng as _, SeedableRng as _};
 use rand_xoshiro::SplitMix64;

@@ -2,10 +2,14 @@
 
 use super::drive::EpisodeRunner;
 use super::places;
+use super::{Seeds, Setup};
 use crate::behavior::Behavior;
+use crate::error::EpisodeError;
 use crate::pilot::Pilot;
+use crate::robot::AnyRobot;
 use crate::senses::{Sense, SenseGoal};
 use arena::noise::Noise;
+use arena::robot::BaseLimits;
 use arena::sources::{FloorPatch, Light, SCENT_REACH_M, Scent, Sensed, named_color};
 use arena::world::{Point, World};
 use files::error::BadInput;
@@ -16,6 +20,18 @@ const SOURCE_RADIUS_M: f64 = 0.6;
 const PATCH_M: f64 = 1.0;
 /// What differs by so much has become something else.
 const OTHER: f64 = 0.25;
+
+/// The world with what an episode's behavior seeks, by the episode's seed; `None` if it has all.
+///
+/// # Errors
+/// When the world cannot have it.
+pub fn completed_world(world: &World, setup: &Setup) -> Result<Option<World>, EpisodeError> {
+    let robot = setup.robot.as_ref();
+    let limits = robot.map_or_else(BaseLimits::default, AnyRobot::limits);
+    let noise = Noise::new(Seeds::of(setup.seed).sources);
+    let completed = with_missing_sources(world, &setup.behavior, limits.radius_m, noise);
+    completed.map_err(|why| EpisodeError::World(why.to_string()))
+}
 
 /// The world with a source of each thing sought that it has none of, at random places that the
 /// robot can reach; `None` if it has all.

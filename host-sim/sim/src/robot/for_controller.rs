@@ -1,6 +1,6 @@
 //! A robot as the controller is told of it: its body, and a configuration in its size.
 
-use super::{AnyRobot, MAX_BEAMS};
+use super::{AnyRobot, MAX_BEAMS, ToldRobot};
 use amp::actuation::Actuation;
 use amp::config::{Config, Exploration, Learning};
 use amp::fixed::Mask;
@@ -20,6 +20,16 @@ const FIRST_LOOKS: u8 = 12;
 const BABBLE_MARGIN_MM: u16 = 30;
 
 impl AnyRobot {
+    /// What the controller is told, beside its configuration.
+    #[must_use]
+    pub fn told(&self) -> ToldRobot {
+        ToldRobot {
+            body: self.body(),
+            has_compass: !self.heading_drifts(),
+            is_led: self.is_led,
+        }
+    }
+
     /// The body as the controller is told.
     #[must_use]
     pub fn body(&self) -> BodySpec<MAX_BEAMS> {

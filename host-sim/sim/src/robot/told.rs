@@ -1,9 +1,23 @@
 //! What a robot has of its own, and what its controller is told of it.
 
+use super::MAX_BEAMS;
+use amp::turret::BodySpec;
 use arena::noise::Noise;
 use files::error::BadInput;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::str::FromStr;
+
+/// What the controller of a robot is told of it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ToldRobot {
+    /// Its body.
+    pub body: BodySpec<MAX_BEAMS>,
+    /// Its heading does not drift.
+    pub has_compass: bool,
+    /// Its memory of places leads it to goals.
+    pub is_led: bool,
+}
 
 /// What a robot is taken from its model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

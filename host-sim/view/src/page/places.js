@@ -22,7 +22,7 @@ function showPlaces() {
   const can = scene.abilities.places;
   $("places-signs").hidden = !can;
   for (const layer of ["places-layer", "way-layer"]) arena[layer].style.display = can && $("show-places").checked ? "" : "none";
-  arena.root.classList.toggle("goes", can && view.seat.you);
+  arena.root.classList.toggle("goes", can && scene.abilities.drive && view.seat.you);
   if (!can || !view.places) return;
   const known = view.places;
   const u = arena.unit;
@@ -65,7 +65,8 @@ function bindPlaces() {
   let pressed = false;
   arena.root.addEventListener("pointerdown", (event) => { pressed = !event.target.closest("[role='button']"); });
   arena.root.addEventListener("click", async (event) => {
-    if (!pressed || !view.scene || !view.scene.abilities.places) return;
+    const can = view.scene && view.scene.abilities;
+    if (!pressed || !can || !can.places || !can.drive) return;
     if (!view.seat.you) return notify("You only watch: the steering viewer selects the goal.");
     const [x, y] = pointer(event);
     if (await ask("goal_position", { x, y }) && view.now.mode !== "seek") notify("That place is the goal: press Seek.");

@@ -1,7 +1,9 @@
 //! Builds the snapshot of a log.
 
 use super::WatchedLog;
-use crate::dto::{displacements, millimeters, plan_dto, pose_dto, ring, xy};
+use crate::dto::{
+    beams, displacements, found, millimeters, plan_dto, pose_dto, ring, ring_ranges, xy,
+};
 use crate::snapshot::{
     DriveCounts, LiveState, PartMessage, RingValues, Rounded, SceneDto, Snapshot, SnapshotPart,
 };
@@ -14,7 +16,7 @@ use amp::scan::Situation;
 use amp::units::Range;
 use arena::robot::COLLISION_RADIUS_M;
 use arena::sonar::{RingGeometry, SonarModel};
-use remote::log::Ending;
+use remote::log::{Ending, RobotRecord};
 use sim::behavior::Behavior;
 use std::sync::Arc;
 
@@ -27,6 +29,7 @@ impl WatchedLog {
         let learned = learns || controller.state().has_learned();
         let knowledge = &mut self.cache.knowledge;
         parts.extend(knowledge.parts(revision, controller.state(), controller.config(), learned));
+        parts.extend(self.places(revision));
         let echo_trail = self.playback.echo_trail.parts();
         Snapshot {
             parts,
@@ -41,6 +44,16 @@ impl WatchedLog {
             self.playback.replayer.controller().state().mode(),
             Mode::Learn { .. }
         )
+    }
+
+    fn places(&mut self, revision: u64) -> Option<Arc<dyn PartMessage>> {
+        let playback = &self.playback;
+        let controller = playback.replayer.controller().as_turret()?;
+        let sought = playback.sought;
+        let remembered = sought.map_or_else(Vec::new, |goal| controller.senses().remembered(goal));
+        let places = playback.seen_places()?.dto(&remembered);
+        let kept = &mut self.cache.places;
+        Some(SnapshotPart::kept(kept, "places", revision, places))
     }
 
     fn scene(&mut self, revision: u64) -> Arc<SnapshotPart<SceneDto>> {
@@ -59,16 +72,29 @@ impl WatchedLog {
         let [low, high] = self.timeline.bounds;
         let sonar = setup.sonar.parse().unwrap_or(SonarModel::Nomad);
         let about = |name: &&str| [(*name).to_owned(), Behavior::about(name).to_owned()];
+        let robot = setup.robot.as_ref();
+        let (radius_m, face_radius_m, half_angle_rad) = match robot {
+            None => (
+                COLLISION_RADIUS_M,
+                RingGeometry::default().face_radius_m,
+                sonar.config().half_angle_rad,
+            ),
+            Some(robot) => (robot.radius_m, robot.face_radius_m, robot.half_cone_rad),
+        };
+        let sensors = |robot: &RobotRecord| {
+            let sensors = robot.sensors.iter();
+            sensors.map(|sensor| sensor.map(Rounded)).collect()
+        };
         SceneDto {
-            robot: None,
-            sensors: None,
+            robot: robot.map(|robot| robot.name.clone()),
+            sensors: robot.map(|robot| sensors(robot)),
             world: setup.world.clone(),
             bounds: [xy(low), xy(high)],
             shapes: playback.shapes.to_vec(),
-            sources: Vec::new(),
+            sources: playback.sources.to_vec(),
             start: xy(playback.start.unwrap_or_default()),
-            radii_m: [COLLISION_RADIUS_M, RingGeometry::default().face_radius_m].map(Rounded),
-            half_angle_rad: Rounded(sonar.config().half_angle_rad),
+            radii_m: [radius_m, face_radius_m].map(Rounded),
+            half_angle_rad: Rounded(half_angle_rad),
             near_far_m: [config.encoding.near_mm, config.encoding.far_mm].map(millimeters),
             step_m: millimeters(config.robot.step_mm),
             seed: setup.seed.to_string(),
@@ -88,7 +114,9 @@ impl WatchedLog {
     fn now(&self) -> LiveState {
         let playback = &self.playback;
         let controller = playback.replayer.controller();
-        let config = controller.config();
+        let (config, turret) = (controller.config(), controller.as_turret());
+        let robot = playback.setup.robot.as_ref();
+        let count = robot.map(|robot| robot.sensors.len());
         let (mode, progress) = self.mode();
         let start = playback.starts.checked_sub(1);
         let first_chunk = start.and_then(|start| self.timeline.starts.get(start).copied());
@@ -101,7 +129,11 @@ impl WatchedLog {
             why: playback.difference.clone(),
             note: self.note(),
             progress: Rounded(progress),
-            ranges_m: playback.ranges_m.map(|range| range.map(Rounded)),
+            ranges_m: ring_ranges(turret, &playback.ranges_m),
+            beams_m: count.map(|count| beams(&playback.ranges_m, count)),
+            found: turret.and_then(|turret| Some(found(&turret.known_body(), count?))),
+            thinks: (playback.seen_places()).and_then(|places| places.thinks()),
+            way: playback.way(),
             enabled: std::array::from_fn(|sensor| controller.enabled().contains(sensor)),
             counts: DriveCounts {
                 distance_m: Rounded(playback.distance_m),
@@ -144,8 +176,11 @@ impl WatchedLog {
         }
     }
 
-    /// The latest ranges as a situation.
+    /// The latest ranges as a situation; only a decision reads that off what a body hears.
     fn perceived(&self) -> Situation<16> {
+        if self.playback.setup.robot.is_some() {
+            return [Weight::ZERO; 16];
+        }
         let encoding = self.playback.replayer.controller().config().encoding;
         let range = |range: Option<f64>| range.map(|m| Range::from_mm((m * 1e3) as u16));
         self.playback.ranges_m.map(|m| encoding.value(range(m)))

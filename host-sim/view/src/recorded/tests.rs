@@ -1,11 +1,15 @@
 use super::*;
 use crate::command::Reset;
+use arena::robot_model::RobotModel;
 use arena::sonar::SonarModel;
 use arena::world::World;
 use remote::link::Knowledge;
 use remote::log::fixture::{changed, file, logged, setup};
+use sim::behavior::{Behavior, Tour, TourBy};
 use sim::episode;
 use sim::pilot::LocalController;
+use sim::robot::{AnyRobot, Ranges};
+use sim::sim_controller::SimController;
 
 fn recorded(sonar: SonarModel) -> WatchedLog {
     WatchedLog::new(&file(logged(sonar))).unwrap()
@@ -68,6 +72,81 @@ fn any_moment_is_the_same_from_either_side() {
     );
     to_the_end(&mut back);
     assert_eq!(known(&back), last);
+}
+
+/// A P3-DX that seeks a scent, and one that drives around, is carried and finds home.
+fn with_places(behavior: &str) -> WatchedLog {
+    let p3dx = RobotModel::builtin("p3dx").unwrap();
+    let robot = AnyRobot::new(p3dx, Ranges::Nomad, true).unwrap();
+    let ring = setup(SonarModel::Ideal);
+    let tour = Tour {
+        steps: 150,
+        by: TourBy::Frontier,
+    };
+    let behavior = match behavior.parse().unwrap() {
+        Behavior::Sense { goal, .. } => Behavior::Sense { goal, tour },
+        _ => Behavior::Nest {
+            tour,
+            is_turned: false,
+        },
+    };
+    let setup = episode::Setup {
+        config: robot.config(ring.config.clone()),
+        robot: Some(robot),
+        behavior,
+        ..ring
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mcap");
+    let controller = SimController::new(&setup.config, setup.robot.as_ref());
+    remote::log::run(&World::random(3), &setup, controller, &path).unwrap();
+    let log = file(std::fs::read(path).unwrap());
+    WatchedLog::new(&log).unwrap()
+}
+
+fn part(recorded: &mut WatchedLog, name: &str) -> serde_json::Value {
+    let parts = recorded.snapshot().into_parts();
+    let part = parts.iter().find(|part| part.key().0 == name).unwrap();
+    let message: serde_json::Value = serde_json::from_str(&part.text()).unwrap();
+    message["value"].clone()
+}
+
+/// Distance between where the robot is and where it thinks it is, m.
+fn error_m(now: &serde_json::Value) -> f64 {
+    let at = |name: &str, axis: usize| now[name][axis].as_f64().unwrap();
+    let along = |axis| at("pose", axis) - at("thinks", axis);
+    along(0).hypot(along(1))
+}
+
+#[test]
+fn the_places_of_a_recorded_robot_are_where_it_was() {
+    for behavior in ["scent:strongest", "nest"] {
+        let mut recorded = with_places(behavior);
+        let scene = part(&mut recorded, "scene");
+        assert_eq!(scene["robot"], "p3dx");
+        assert_eq!(scene["sensors"].as_array().unwrap().len(), 16);
+        let sources = scene["sources"].as_array().unwrap().len();
+        assert_eq!(sources, usize::from(behavior != "nest"));
+        let (mut led, mut far) = (0, 0);
+        while recorded.step() != StepOutcome::Idle {
+            let now = part(&mut recorded, "now");
+            far += u32::from(now["thinks"].is_array() && error_m(&now) > 0.05);
+            led += u32::from(now["way"].is_array());
+        }
+        assert_eq!(recorded.playback.difference, None);
+        // It is shown where it was carried to before it hears that it was.
+        assert!(
+            led > 20 && far <= 3 * u32::from(behavior == "nest"),
+            "{led} {far}"
+        );
+        let (now, places) = (part(&mut recorded, "now"), part(&mut recorded, "places"));
+        // In the end it knows again where it is.
+        assert!(error_m(&now) < 0.1, "{now}");
+        assert_eq!(now["goal"]["name"], behavior);
+        let count = |name: &str| places[name].as_array().unwrap().len();
+        assert!(count("places") > 20 && count("links") > 20);
+        assert_eq!(count("sensed") > 10, behavior != "nest");
+    }
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! A log as a list of items, with the history of its decisions.
 
-use crate::dto::shape_dto;
+use crate::dto::{shape_dto, source_dtos};
 use crate::history::{History, history_entry};
-use crate::snapshot::ShapeDto;
+use crate::snapshot::{ShapeDto, SourceDto};
 use amp::controller::Progress;
 use arena::world::{Point, Pose};
 use files::error::BadInput;
@@ -23,8 +23,8 @@ pub(super) enum TimelineItem {
     Answer(Box<AnswerRecord>),
     /// The true pose of the robot.
     Pose(Pose),
-    /// The surroundings.
-    Shapes(Arc<Vec<ShapeDto>>),
+    /// The surroundings, and what else can be perceived there.
+    World(Arc<Vec<ShapeDto>>, Arc<Vec<SourceDto>>),
     /// Position of a second robot.
     Leader(Point),
 }
@@ -92,9 +92,10 @@ fn items_of(message: &LogMessage) -> Result<Vec<TimelineItem>, String> {
 
 fn scene_item(change: SceneChange) -> TimelineItem {
     match change {
-        SceneChange::Shapes(shapes) => {
-            TimelineItem::Shapes(Arc::new(shapes.iter().map(shape_dto).collect()))
-        }
+        SceneChange::World(shapes, sources) => TimelineItem::World(
+            Arc::new(shapes.iter().map(shape_dto).collect()),
+            Arc::new(source_dtos(&sources)),
+        ),
         SceneChange::Leader(at) => TimelineItem::Leader(at),
     }
 }
@@ -112,7 +113,7 @@ fn bounds(items: &[(u64, TimelineItem)]) -> [Point; 2] {
         match item {
             // Where the surroundings are not known, echoes are shown around the path.
             TimelineItem::Pose(pose) => extend(pose.position.x, pose.position.y, 0.3),
-            TimelineItem::Shapes(shapes) => {
+            TimelineItem::World(shapes, _) => {
                 for shape in shapes.iter() {
                     match shape {
                         ShapeDto::Wall(points) | ShapeDto::Box(points) => {
@@ -183,7 +184,7 @@ impl HistoryBuilder {
                 self.place = pose.position;
                 self.record_ended();
             }
-            TimelineItem::Shapes(_) | TimelineItem::Leader(_) => {}
+            TimelineItem::World(..) | TimelineItem::Leader(_) => {}
         }
     }
 

@@ -282,12 +282,17 @@ impl Simulator {
         if !free(robot) || !self.body.leader().is_none_or(free) {
             return Err("the robot stands there".into());
         }
+        self.replace_world(world);
+        Ok(())
+    }
+
+    /// Puts the robot where it is into another world.
+    pub(super) fn replace_world(&mut self, world: World) {
         if let Some(log) = self.controller.log() {
             log.write(|log| log.world(self.body.now(), &world));
         }
         self.body.set_world(world);
         self.cache.scene = None;
-        Ok(())
     }
 
     /// Whether the robot may stand there.

@@ -13,6 +13,7 @@ use super::command::{CommandOutcome, PageCommand};
 use super::dto::KnowledgeParts;
 use super::goal::ActiveGoal;
 use super::history::{History, history_entry};
+use super::place_frames::PlaceFrames;
 use super::snapshot::{PlacesDto, SceneDto, Snapshot, SnapshotPart};
 use super::source::{Capabilities, CommandRefused, StepOutcome, ViewSource};
 use amp::config::Config;
@@ -21,7 +22,6 @@ use amp::scan::Situation;
 use arena::robot::TurretMode;
 use arena::world::{Point, Pose, World};
 use files::error::BadInput;
-use places::PlaceFrame;
 use remote::link::{AnyController, ControllerPlace};
 use remote::log::{LogOutput, LogWriter, LoggedController, SetupRecord, SharedLog, WorldLogger};
 use sim::episode::{
@@ -106,9 +106,7 @@ pub struct Simulator {
     /// The situation before the latest decision.
     before: Option<Situation<16>>,
     /// Where the robot's places lie in the world.
-    frame: PlaceFrame,
-    /// Where the robot was set down, and its places began anew or stand aside.
-    set_down: Option<PlaceFrame>,
+    frames: PlaceFrames,
     /// Latest ranges, and the ring's pose at that time.
     ranges_m: [Option<f64>; 16],
     scan_pose: Pose,
@@ -167,6 +165,9 @@ impl Simulator {
         let body = body.sensing(Seeds::of(setup.seed).sources);
         let goal = ActiveGoal::behavior(&setup.behavior);
         let ranges_m = body.look();
+        let robot = setup.robot.as_ref();
+        let miswiring = robot.and_then(|robot| robot.miswiring());
+        let side = miswiring.map_or(1.0, |wrong| wrong.side());
         let nothing = Metrics::new(&start.world, body.radius_m());
         let watcher = controller.log().cloned().map(WorldLogger::new);
         let mut simulator = Self {
@@ -183,8 +184,7 @@ impl Simulator {
             before: None,
             ranges_m,
             scan_pose: body.pose(),
-            frame: PlaceFrame::new(body.pose(), 0.0, 1.0),
-            set_down: None,
+            frames: PlaceFrames::new(body.pose(), side),
             learned: false,
             is_calibrated: false,
             learning: 0,

@@ -1,8 +1,10 @@
 //! Builds the snapshot of the simulator.
 
-use super::senses::source_dtos;
 use super::{Simulator, SimulatorActivity};
-use crate::dto::{displacements, millimeters, plan_dto, pose_dto, ring, shape_dto, xy};
+use crate::dto::{
+    beams, displacements, found, millimeters, plan_dto, pose_dto, ring, ring_ranges, shape_dto,
+    source_dtos, xy,
+};
 use crate::snapshot::{
     DriveCounts, GoalDto, LiveState, PartMessage, RingValues, Rounded, SceneDto, SensorDto,
     Snapshot, SnapshotPart,
@@ -10,7 +12,6 @@ use crate::snapshot::{
 use crate::source::ViewSource as _;
 use amp::config::PlannerKind;
 use amp::planner::difference;
-use amp::turret::BodySpec;
 use arena::robot_model::SensorMount;
 use arena::sonar::RingGeometry;
 use arena::world::World;
@@ -66,29 +67,24 @@ impl Simulator {
         let (mode, progress) = self.mode();
         let robot = self.start.setup.robot.as_ref();
         let count = robot.map(|robot| robot.mounts().len());
-        let perceived = self.controller.inner().perceived_body();
+        let way = self.way();
+        let turret = self.controller.inner().as_turret();
         LiveState {
             time_s: Rounded(self.body.time_s()),
             step_s: Rounded(self.step_s),
             pose: pose_dto(pose),
             scan_pose: pose_dto(scan_pose),
             thinks: self.thinks(),
-            way: self.way(),
+            way,
             mode,
             why: self.failure.clone(),
             note: self.note.clone(),
             resumes: self.activity == SimulatorActivity::Stopped
                 && self.interrupted != SimulatorActivity::Idle,
             progress: Rounded(progress),
-            ranges_m: match &perceived {
-                None => ranges_m.map(|range| range.map(Rounded)),
-                Some((ring, _)) => ring.map(|range| Some(millimeters(range?.as_mm()))),
-            },
-            beams_m: count.map(|count| {
-                let ranges = ranges_m.iter().take(count);
-                ranges.map(|range| range.map(Rounded)).collect()
-            }),
-            found: perceived.and_then(|(_, body)| Some(found(&body, count?))),
+            ranges_m: ring_ranges(turret, &ranges_m),
+            beams_m: count.map(|count| beams(&ranges_m, count)),
+            found: turret.and_then(|turret| Some(found(&turret.known_body(), count?))),
             enabled: std::array::from_fn(|sensor| {
                 self.controller.inner().enabled().contains(sensor)
             }),
@@ -247,18 +243,4 @@ fn sensors(robot: &AnyRobot) -> Vec<SensorDto> {
         [position.x, position.y, bearing_rad].map(Rounded)
     };
     mounts.map(dto).collect()
-}
-
-/// Where the controller takes the sensors to stand and look; `None` for those that it does not use.
-fn found(body: &BodySpec<16>, count: usize) -> Vec<Option<SensorDto>> {
-    let dto = |sensor: usize| {
-        let mount = body
-            .mounts
-            .get(sensor)
-            .filter(|_| body.enabled.contains(sensor))?;
-        let [x, y] = [mount.position.dx_mm, mount.position.dy_mm].map(|mm| f64::from(mm) / 1e3);
-        let turns = f64::from(mount.axis.as_turns()) / 65_536.0;
-        Some([x, y, turns * std::f64::consts::TAU].map(Rounded))
-    };
-    (0..count).map(dto).collect()
 }

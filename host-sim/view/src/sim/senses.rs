@@ -1,12 +1,11 @@
 //! What can be perceived beside ranges: the robot's sensors, and sources that can be moved.
 
 use super::Simulator;
-use crate::dto::xy;
-use crate::snapshot::{Rounded, SensedDto, SourceDto};
+use crate::snapshot::{Rounded, SensedDto};
 use crate::source::CommandRefused;
 use arena::noise::Noise;
-use arena::sources::{LAMP_M, Sources, hex};
-use arena::world::{Point, Shape};
+use arena::sources::hex;
+use arena::world::Point;
 use sim::episode::{Seeds, with_missing_sources};
 use sim::pilot::Pilot as _;
 
@@ -28,13 +27,12 @@ impl Simulator {
         let noise = Noise::new(Seeds::of(self.start.setup.seed).sources);
         let radius_m = self.body.radius_m();
         if let Some(world) = with_missing_sources(self.body.world(), behavior, radius_m, noise)? {
-            self.body.set_world(world);
-            self.cache.scene = None;
+            self.replace_world(world);
         }
         Ok(())
     }
 
-    /// Moves a source, counted as in [`source_dtos`].
+    /// Moves a source, counted as in [`source_dtos`](crate::dto::source_dtos).
     pub(super) fn move_source(&mut self, index: usize, to: Point) -> Result<(), CommandRefused> {
         let world = self.body.world();
         let mut sources = world.sources().clone();
@@ -46,8 +44,7 @@ impl Simulator {
             None => return Err(format!("there is no source {index}").into()),
         }
         let world = world.clone().with_sources(sources)?;
-        self.body.set_world(world);
-        self.cache.scene = None;
+        self.replace_world(world);
         Ok(())
     }
 
@@ -63,29 +60,4 @@ impl Simulator {
             floor: hex(sensed.floor),
         })
     }
-}
-
-/// The sources of a world: colored floor, scents, lamps.
-pub(super) fn source_dtos(sources: &Sources) -> Vec<SourceDto> {
-    let floor = sources.floor.iter().map(|patch| SourceDto {
-        kind: "floor",
-        at: xy(patch.center),
-        reach_m: Rounded(0.0),
-        outline: Shape::box_corners(patch.center, patch.size, patch.angle)
-            .map(xy)
-            .to_vec(),
-        color: Some(hex(patch.color)),
-    });
-    let point = |kind, at, reach_m| SourceDto {
-        kind,
-        at: xy(at),
-        reach_m: Rounded(reach_m),
-        outline: Vec::new(),
-        color: None,
-    };
-    let scents = sources.scents.iter();
-    let scents = scents.map(|scent| point("scent", scent.position, scent.reach_m));
-    let lights = sources.lights.iter();
-    let lights = lights.map(|light| point("light", light.position, LAMP_M));
-    floor.chain(scents).chain(lights).collect()
 }

@@ -57,6 +57,12 @@ impl<'w> Body<'w> {
         }
     }
 
+    /// The robot, if it is not the Nomad with its own ring.
+    #[must_use]
+    pub fn robot(&self) -> Option<&AnyRobot> {
+        self.robot.as_deref()
+    }
+
     /// One ring of exact sensors, and the motion it causes.
     pub(super) fn ideal_step(&mut self, pilot: &mut impl Pilot, robot: &AnyRobot) -> StepResult {
         let pose = self.base.pose();

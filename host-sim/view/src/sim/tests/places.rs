@@ -283,7 +283,7 @@ fn a_robot_that_was_carried_begins_anew_where_it_was_set_down() {
     let mut simulator = simulator(SonarModel::Ideal, 0);
     educate(&mut simulator);
     let here = simulator.body.pose().position;
-    let home = simulator.frame;
+    let home = simulator.frames;
     let (x, y) = (here.x + 0.2, here.y);
     simulator.execute(&PageCommand::MoveRobot { x, y }).unwrap();
     // What it remembers lies elsewhere than it thinks.
