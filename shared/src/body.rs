@@ -9,6 +9,7 @@ use crate::config::Config;
 #[cfg(feature = "store")]
 use crate::config::MAX_CONFIG;
 use crate::controller::{self, Event, Outputs, State};
+use crate::places::Aim;
 use crate::units::Millis;
 
 mod mounted_sensors;
@@ -28,6 +29,17 @@ pub trait Body<const SENSORS: usize> {
         at: Millis,
         event: Event<SENSORS>,
     ) -> Outputs<SENSORS>;
+
+    /// From now on its memory of places leads a robot that pursues a goal there; `None`: it finds
+    /// its way by the goal alone. False if it has no memory of places.
+    fn lead_to(&mut self, _aim: Option<Aim>) -> bool {
+        false
+    }
+
+    /// The robot was carried elsewhere. False if it has no memory of places.
+    fn set_down(&mut self) -> bool {
+        false
+    }
 
     /// Whether it thinks before it decides: [`think`](Self::think) is to be called between events.
     fn is_thinking(&self) -> bool {

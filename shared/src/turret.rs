@@ -299,7 +299,7 @@ where
             (self.turret.first_looks, self.turret.knows_place) = (0, false);
         }
         self.turret.heard_at = self.at;
-        let Some(seen) = range.or(self.body.silence_mm.map(Range::from_mm)) else {
+        let Some(seen) = range.or(self.body.silence()) else {
             return;
         };
         let beam = Beam {

@@ -14,7 +14,7 @@ import zlib
 
 # Numbers of the grammar.
 PROTOCOL, SENSORS, NEURONS = 2, 16, 16
-SCHEMA = 0xe8e55e8b
+SCHEMA = 0xfa70efb5
 
 HELLO, SCAN, ODOMETRY, COMMAND, COUNTERS = 0, 2, 3, 4, 7
 GOAL, EXPLORE, LEARN, SEEK, STOP, FORGET = 0, 1, 2, 3, 4, 6

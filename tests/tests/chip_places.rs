@@ -2,6 +2,8 @@
 //! events, leads a robot as the crate on this machine does, to the byte.
 
 use amp::goal::Name;
+use amp::places::Aim;
+use amp::units::Displacement;
 use amp::wire::message::{GoalSpec, RobotCommand};
 use arena::robot_model::RobotModel;
 use arena::sonar::SonarModel;
@@ -11,6 +13,7 @@ use remote::link::{Machine, build_image};
 use sim::episode::Body;
 use sim::robot::{AnyRobot, Ranges};
 use tests::chip::EmulatedChip;
+use tests::host_sim;
 use tests::twin::NodeTwin;
 
 /// The world, and the seed of everything.
@@ -25,7 +28,7 @@ const NOWHERE: [u8; 16] = [
 /// Explores, learns, drives away, is led, seeks its nest; returns the peak of the stack.
 fn episode(machine: &Machine) -> u32 {
     let model = RobotModel::builtin("p3dx").expect("built in");
-    let robot = AnyRobot::new(model, Ranges::Nomad, true).expect("16 sensors");
+    let robot = AnyRobot::new(model, Ranges::Own, true).expect("16 sensors");
     let world = World::random2(WORLD);
     let image = build_image(machine).unwrap_or_else(|error| panic!("{error}"));
     let chip = EmulatedChip::start_on(machine, &image);
@@ -47,8 +50,20 @@ fn episode(machine: &Machine) -> u32 {
         twin.seek(goal);
         twin.decide(&mut body, DECISIONS);
     }
-    let (slices, bytes) = (twin.longest_thought(), twin.compared());
     let places = twin.local().body().turret().places().positions().len();
+    twin.command(RobotCommand::Lead(Some(Aim::Position(Displacement::ZERO))));
+    twin.seek(GoalSpec::Avoid);
+    twin.decide(&mut body, DECISIONS);
+    let off_m = body.pose().position.distance(world.start().position);
+    assert!(off_m < 0.3, "{off_m} m from home");
+    twin.command(RobotCommand::Stop);
+    twin.command(RobotCommand::SetDown);
+    twin.seek(GoalSpec::Avoid);
+    twin.decide(&mut body, 2);
+    let lost = twin.local().body().turret().places();
+    let begins_anew = lost.positions().len() < 3;
+    assert!(begins_anew || lost.aside().is_some(), "it was carried");
+    let (slices, bytes) = (twin.longest_thought(), twin.compared());
     let peak = twin.stack_peak_bytes();
     println!(
         "{}: {bytes} bytes the same; {places} places; a decision takes {slices} slices at most; peak of the stack {peak} bytes",
@@ -66,6 +81,22 @@ fn episode(machine: &Machine) -> u32 {
 fn a_pioneer_led_by_its_places_is_the_same_to_the_byte() {
     let peak = episode(&Machine::OLIMEX_H405_PLACES);
     assert!((200..=4_608).contains(&peak), "{peak} bytes of stack");
+}
+
+/// Home, and away again: the program drives the emulated chip as it drives its own controller.
+#[test]
+fn an_emulated_chip_comes_home_as_this_machine_does() {
+    let program = host_sim!();
+    let run = "run --explore 60 --world random2:3 --steps 20 --json";
+    for flags in [
+        "--robot p3dx --ranges nomad --behavior home --tour 30",
+        "--robot p3dx --behavior nest --tour 30 --turned",
+        "--behavior nest",
+    ] {
+        let here = program.ok(&format!("{run} {flags}"));
+        assert_eq!(program.ok(&format!("{run} {flags} --mind qemu")), here);
+        assert!(here.contains("\"steps\":"), "{here}");
+    }
 }
 
 #[test]

@@ -8,6 +8,7 @@ use arena::robot_model::{DriveKind, RobotModel, SensorKind, SensorMount};
 use arena::sonar::{FACE_RADIUS_M, RING_PERIOD_S, SonarConfig, SonarModel};
 use arena::world::Point;
 use files::error::BadInput;
+use std::num::NonZeroU16;
 
 mod for_controller;
 mod told;
@@ -359,10 +360,10 @@ impl AnyRobot {
     }
 
     /// How far a sensor sees free space when nothing answers: not at all for sonars.
-    fn silence_mm(&self) -> Option<u16> {
+    fn silence_mm(&self) -> Option<NonZeroU16> {
         let sensors = &self.model.sensors;
         let is_certain = sensors.iter().all(|s| s.kind != SensorKind::Sonar);
-        is_certain.then(|| self.reach_mm())
+        NonZeroU16::new(self.reach_mm()).filter(|_| is_certain)
     }
 
     /// Greatest range of its sensors, mm.
@@ -400,7 +401,6 @@ mod tests {
     use amp::config::Config;
     use amp::turret::Guard;
     use amp::units::Bearing;
-    use std::num::NonZeroU16;
 
     fn robot(name: &str, ranges: Ranges) -> AnyRobot {
         AnyRobot::new(RobotModel::builtin(name).unwrap(), ranges, true).unwrap()

@@ -31,8 +31,8 @@ pub struct TurretController {
     config: Config<16>,
     body: Box<SimBody>,
     state: Box<SimState>,
-    /// Its places lead it to goals.
-    is_led: bool,
+    /// What it was told.
+    robot: ToldRobot,
     /// What else it perceived.
     senses: Box<Senses>,
 }
@@ -52,13 +52,12 @@ impl TurretController {
         state.expect_open_space(config.open_space);
         let mut body = Box::<SimBody>::default();
         body.tell(&robot.body);
-        body.lead_to(None);
-        body.trust_heading(robot.has_compass);
+        let _ = body.lead_to(None);
         Self {
             config,
             body,
             state: Box::new(state),
-            is_led: robot.is_led,
+            robot: robot.clone(),
             senses: Box::default(),
         }
     }
@@ -114,7 +113,7 @@ impl TurretController {
     /// The same, if the places lead it to goals.
     #[must_use]
     pub fn led_turret(&self) -> Option<&SimTurret> {
-        self.is_led.then(|| self.turret())
+        self.robot.is_led.then(|| self.turret())
     }
 
     /// Whether each tick is a step of finding its sensors.
@@ -244,26 +243,24 @@ impl Pilot for TurretController {
     }
 
     fn lead_to(&mut self, aim: Option<Aim>) -> Result<(), EpisodeError> {
-        let may_explore = matches!(aim, Some(Aim::Frontier | Aim::Everywhere));
-        let aim = aim.filter(|_| self.is_led || may_explore);
-        self.body.lead_to(aim);
+        let _ = self.body.lead_to(self.robot.led(aim));
         Ok(())
     }
 
     fn sense(&mut self, at: Millis, readings: &Readings) {
         let places = self.body.turret().places();
         // One that was carried, and does not know where it is, has no position for what it senses.
-        if !self.is_led || places.aside().is_some() {
+        if !self.robot.is_led || places.aside().is_some() {
             return;
         }
         self.senses.perceive(readings, places.here(), at);
         if let Some(aim) = self.senses.aim(places, at) {
-            self.body.lead_to(Some(aim));
+            let _ = self.body.lead_to(Some(aim));
         }
     }
 
     fn seek_sense(&mut self, goal: Option<SenseGoal>) -> Result<(), EpisodeError> {
-        if goal.is_some() && !self.is_led {
+        if goal.is_some() && !self.robot.is_led {
             return Err(EpisodeError::NoPlaces);
         }
         self.senses.seek(goal);

@@ -176,7 +176,7 @@ pub(super) fn mind(
     log: Option<&Path>,
 ) -> Result<LoggedController, BadInput> {
     let config = held_turret_config(task)?;
-    let mind = AnyController::new(&config, None, args.place(task.explore, false)?)?;
+    let mind = AnyController::new(&config, None, args.place(task.explore, None)?)?;
     if let (replaced @ [_, ..], name) = (&*mind.replaced(), mind.name()) {
         eprintln!(
             "{name}: the controller had another {}: replaced for this run",

@@ -3,17 +3,16 @@
 use super::run::drive;
 use super::setup::parsed;
 use amp::config::Config;
-use amp::turret::BodySpec;
 use amp::wire::message::Clock;
 use arena::world::World;
 use clap::Args;
 use files::error::BadInput;
 use remote::link::{
-    self, Address, ControllerPlace, Emulation, LinkError, RemoteController, Session,
+    self, Address, ControllerPlace, Emulation, LinkError, Program, RemoteController, Session,
 };
 use sim::episode::{Episode, Setup};
 use sim::error::EpisodeError;
-use sim::robot::AnyRobot;
+use sim::robot::{AnyRobot, ToldRobot};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -54,22 +53,25 @@ pub struct MindArgs {
 }
 
 impl MindArgs {
-    /// How to start the emulator, with the program for a ring on a turret or for any body.
-    pub(super) fn emulation(&self, any_body: bool) -> Emulation {
+    /// How to start the emulator with a program.
+    pub(super) fn emulation(&self, program: Program) -> Emulation {
         Emulation {
             firmware: self.firmware.clone(),
-            any_body,
+            program,
             verbose: self.verbose,
         }
     }
 
-    /// Connects to a controller with a memory for `moves` random moves, for any body or a ring on
-    /// a turret.
+    /// Connects to a controller with a memory for `moves` random moves of this robot.
     ///
     /// # Errors
     /// When it cannot be reached, is incompatible, or has too small a memory.
-    pub(super) fn place(&self, moves: u16, any_body: bool) -> Result<ControllerPlace, BadInput> {
-        Ok(match Remote::connect(self, moves, any_body)? {
+    pub(super) fn place(
+        &self,
+        moves: u16,
+        robot: Option<&AnyRobot>,
+    ) -> Result<ControllerPlace, BadInput> {
+        Ok(match Remote::connect(self, moves, robot)? {
             None => ControllerPlace::Host,
             Some(remote) => {
                 ControllerPlace::Link(Box::new(remote.session), remote.address.to_string())
@@ -86,17 +88,17 @@ pub(super) struct Remote {
 }
 
 impl Remote {
-    /// Connects to a controller with a memory for `moves` random moves, for any body or a ring on
-    /// a turret; `None` for the controller in this process.
+    /// Connects to a controller with a memory for `moves` random moves of this robot (`None` = the
+    /// Nomad with its own ring); `None` for the controller in this process.
     ///
     /// # Errors
     /// When it cannot be reached, is incompatible, or has too small a memory.
     pub(super) fn connect(
         args: &MindArgs,
         moves: u16,
-        any_body: bool,
+        robot: Option<&AnyRobot>,
     ) -> Result<Option<Self>, BadInput> {
-        let emulation = args.emulation(any_body);
+        let emulation = args.emulation(Program::of(robot));
         let qemu = matches!(args.choice, MindChoice::At(Address::Qemu));
         only_for_qemu(qemu, &emulation)?;
         let MindChoice::At(address) = &args.choice else {
@@ -126,23 +128,23 @@ impl Remote {
         setup: &Setup,
         log: Option<&Path>,
     ) -> Result<Episode, EpisodeError> {
-        let body = setup.robot.as_ref().map(AnyRobot::body);
-        let mind = self.mind(&setup.config, body.as_ref());
+        let robot = setup.robot.as_ref().map(AnyRobot::told);
+        let mind = self.mind(&setup.config, robot.as_ref());
         let mut mind = mind.map_err(EpisodeError::from)?;
         drive(world, setup, &mut mind, log)
     }
 
-    /// The controller with this configuration and body, and an empty memory.
+    /// The controller with this configuration and robot, and an empty memory.
     ///
     /// # Errors
     /// When it cannot be reached or does not accept the configuration.
     pub(super) fn mind(
         &mut self,
         config: &Config<16>,
-        body: Option<&BodySpec<16>>,
+        robot: Option<&ToldRobot>,
     ) -> Result<RemoteController<&mut Session>, LinkError> {
         let number = link::next_number(self.session.number());
-        let mind = RemoteController::start(&mut self.session, number, config, body)?;
+        let mind = RemoteController::start(&mut self.session, number, config, robot)?;
         let replaced = mind.replaced();
         // From the second episode on it has the state of the previous one.
         if std::mem::take(&mut self.first) && !replaced.is_empty() {

@@ -195,7 +195,7 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), CliError> {
     let sources = sources(&args.worlds)?;
     check_outputs(args, sources.len())?;
     check_robot(args, &setup)?;
-    let remote = Remote::connect(&args.mind, setup.explore_moves, setup.robot.is_some())?;
+    let remote = Remote::connect(&args.mind, setup.explore_moves, setup.robot.as_ref())?;
     if let Some(dir) = &args.out {
         prepare(dir)?;
     }
@@ -245,26 +245,27 @@ fn check_robot(args: &RunArgs, setup: &Setup) -> Result<(), BadInput> {
     let Some(robot) = &setup.robot else {
         return Ok(());
     };
+    let is_remote = args.mind.choice != MindChoice::Host;
     if let Some(goal) = setup.behavior.sense_goals().next()
-        && !robot.is_led()
+        && (!robot.is_led() || is_remote)
     {
-        let goal = goal.name();
+        let (goal, flag) = (
+            goal.name(),
+            if is_remote { "--mind" } else { "--places off" },
+        );
         return Err(BadInput::new(format!(
-            "--places off: the behavior {goal} needs a memory of places"
+            "{flag}: the behavior {goal} needs a memory of places and what was perceived there, in this process"
         )));
     }
-    let needs_places = setup.behavior.needs_places();
-    let is_remote = args.mind.choice != MindChoice::Host;
     let flags = [
         ("--save", args.save.is_some()),
         ("--log with --mind", args.log.is_some() && is_remote),
-        ("--mind", needs_places && is_remote),
     ];
     match flags.iter().find(|(_, is_used)| *is_used) {
         None => Ok(()),
         Some((flag, _)) => Err(BadInput::new(format!(
             "{flag}: only with the Nomad's own ring, not with the robot \"{}\" behind points \
-             (--robot, --places, --behavior home, scent:…, light:… or floor:…)",
+             (--robot, --places or --behavior home)",
             robot.model().name
         ))),
     }

@@ -9,7 +9,7 @@ use amp::config::Config;
 use amp::wire::message::Clock;
 use clap::{Args, ValueEnum as _};
 use files::error::BadInput;
-use remote::link::{Address, ControllerPlace};
+use remote::link::{Address, ControllerPlace, Program};
 use remote::log;
 use sim::behavior::Behavior;
 use sim::robot::AnyRobot;
@@ -156,7 +156,7 @@ fn source(args: &ViewArgs) -> Result<Box<dyn ViewSource>, BadInput> {
 
 fn board(args: &ViewArgs, address: &Address) -> Result<Box<dyn ViewSource>, BadInput> {
     let task = args.setup.task();
-    let session = open(address, &args.mind.emulation(false), Clock::Device)?;
+    let session = open(address, &args.mind.emulation(Program::Ring), Clock::Device)?;
     let name = address.to_string();
     let board = WatchedBoard::new(session, name, task.explore, task.seed, &task.behavior);
     Ok(Box::new(board.map_err(|error| named(address, &error))?))
@@ -186,9 +186,7 @@ fn nomad(args: &ViewArgs, robot: &RobotAddress) -> Result<Box<dyn ViewSource>, B
 fn simulator(args: &ViewArgs) -> Result<Box<dyn ViewSource>, BadInput> {
     let start = start(args)?;
     let robot = start.setup.robot.as_ref();
-    let place = args
-        .mind
-        .place(start.setup.explore_moves, robot.is_some())?;
+    let place = args.mind.place(start.setup.explore_moves, robot)?;
     let has_places = robot.is_some_and(AnyRobot::is_led) && matches!(place, ControllerPlace::Host);
     if start.setup.behavior.needs_places() && !has_places {
         return Err(no_places(&start.setup.behavior));

@@ -69,20 +69,11 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize, const RECORD
         self.told.clone_from(body);
         self.known.clone_from(body);
         self.turret.restart();
+        self.turret.trust_heading(body.has_compass);
         self.turret.lead_to(Some(Aim::Situation));
         self.solver.stop();
         self.babble.begin(0, 0);
         (self.listens, self.moves_unknown) = (false, 0);
-    }
-
-    /// As [`VirtualTurret::lead_to`].
-    pub const fn lead_to(&mut self, aim: Option<Aim>) {
-        self.turret.lead_to(aim);
-    }
-
-    /// As [`VirtualTurret::trust_heading`].
-    pub const fn trust_heading(&mut self, has_compass: bool) {
-        self.turret.trust_heading(has_compass);
     }
 
     /// The body as it is known.
@@ -323,6 +314,16 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize, const RECORD
             self.listens = false;
         }
         outputs
+    }
+
+    fn lead_to(&mut self, aim: Option<Aim>) -> bool {
+        self.turret.lead_to(aim);
+        RECORDS > 0
+    }
+
+    fn set_down(&mut self) -> bool {
+        self.turret.set_down();
+        RECORDS > 0
     }
 
     fn is_thinking(&self) -> bool {

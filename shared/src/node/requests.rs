@@ -221,6 +221,20 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<S
                 actuators,
             },
             RobotCommand::Forget => return self.forget().map(|()| None),
+            RobotCommand::Lead(aim) => {
+                return match self.body.lead_to(aim) || aim.is_none() {
+                    true => Ok(None),
+                    false => Err(Refusal::NoPlaces),
+                };
+            }
+            RobotCommand::SetDown => {
+                self.require_standing()?;
+                return self
+                    .body
+                    .set_down()
+                    .then_some(None)
+                    .ok_or(Refusal::NoPlaces);
+            }
         }))
     }
 

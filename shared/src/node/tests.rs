@@ -5,6 +5,7 @@ use crate::fixed::{Mask, Weight, Weight32};
 use crate::goal::Component;
 use crate::link::SILENCE_MS;
 use crate::parameters::{Parameter, ParameterError};
+use crate::places::Aim;
 use crate::som::kernels::{Group, Kernels};
 use crate::units::{Displacement, Range};
 use crate::wire::frame::{self, Frame};
@@ -502,6 +503,24 @@ fn what_is_known_can_be_carried_to_another_node() {
     assert_eq!(refusal(&other.command(RobotCommand::Forget)), None);
     let fresh = Rig::new(Clock::Host).node;
     assert_eq!(sums(&other.node), sums(&fresh));
+}
+
+/// A ring on a held turret has none.
+#[test]
+fn a_body_without_places_is_led_nowhere() {
+    let mut rig = Rig::ready(Clock::Host);
+    for (aim, why) in [
+        (Some(Aim::Frontier), Some(Refusal::NoPlaces)),
+        (Some(Aim::Situation), Some(Refusal::NoPlaces)),
+        (None, None),
+    ] {
+        assert_eq!(refusal(&rig.command(RobotCommand::Lead(aim))), why);
+    }
+    let carried = rig.command(RobotCommand::SetDown);
+    assert_eq!(refusal(&carried), Some(Refusal::NoPlaces));
+    assert_eq!(refusal(&rig.command(RobotCommand::Seek)), None);
+    let carried = rig.command(RobotCommand::SetDown);
+    assert_eq!(refusal(&carried), Some(Refusal::Moving), "it drives");
 }
 
 #[test]

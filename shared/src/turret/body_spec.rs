@@ -43,7 +43,7 @@ pub struct BodySpec<const BEAMS: usize> {
     pub points: PointLimits,
     /// How far a sensor that hears nothing sees free space, millimeters from its face; `None` = it
     /// tells nothing: the echo of a sonar may have gone astray on a smooth wall.
-    pub silence_mm: Option<u16>,
+    pub silence_mm: Option<NonZeroU16>,
     /// Where it knows nothing of its surroundings, it turns by 30° so often before it decides, and
     /// listens.
     pub first_looks: u8,
@@ -55,6 +55,8 @@ pub struct BodySpec<const BEAMS: usize> {
     /// Distance that random moves leave to the nearest thing heard, wherever that is, while the
     /// robot finds where its sensors look, millimeters.
     pub babble_margin_mm: u16,
+    /// Its heading does not drift: a compass measures it.
+    pub has_compass: bool,
 }
 
 impl<const BEAMS: usize> BodySpec<BEAMS> {
@@ -86,7 +88,13 @@ impl<const BEAMS: usize> BodySpec<BEAMS> {
         most_unseen: 0,
         guard: None,
         babble_margin_mm: 0,
+        has_compass: false,
     };
+
+    /// How far a sensor that hears nothing sees free space; `None` = it tells nothing.
+    pub(crate) fn silence(&self) -> Option<Range> {
+        self.silence_mm.map(|mm| Range::from_mm(mm.get()))
+    }
 
     /// The same body with its sensors where they were found to look; those that were not are not
     /// used.

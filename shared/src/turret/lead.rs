@@ -1,7 +1,7 @@
 //! A robot that pursues a goal is led by its memory of places. To find the way takes longer than an
 //! event may wait: it is done in slices, and the decision comes with the last one.
 
-use super::{RingController, Robot, VirtualTurret};
+use super::{FORGET_MS, RingController, Robot, VirtualTurret};
 use crate::controller::{Command, Event, Outputs};
 use crate::memory::{self, SituationBytes};
 use crate::places::{Aim, PlaceLimits, Places, Purpose, SLICE};
@@ -36,6 +36,12 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
     /// As [`Places::trust_heading`].
     pub const fn trust_heading(&mut self, has_compass: bool) {
         self.places.trust_heading(has_compass);
+    }
+
+    /// The robot was carried elsewhere, and maybe turned: with the next echo it knows, as after ten
+    /// minutes without one.
+    pub const fn set_down(&mut self) {
+        self.heard_at = self.heard_at.minus_ms(FORGET_MS);
     }
 
     /// From now on a robot that pursues a goal is led there; `None`: it finds its way by the goal

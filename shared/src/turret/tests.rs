@@ -49,6 +49,7 @@ pub(crate) fn even_body(count: usize, guard_mm: Option<u16>) -> BodySpec<16> {
         most_unseen: u8::MAX,
         guard: guard_mm.and_then(guard),
         babble_margin_mm: 30,
+        has_compass: false,
     }
 }
 
@@ -199,7 +200,7 @@ fn a_sensor_that_says_nothing_tells_nothing_but_a_certain_one_does() {
     ranges[2] = None;
     for (silence_mm, is_known) in [(None, false), (Some(3_000), true)] {
         let mut body = ring_body(None);
-        body.silence_mm = silence_mm;
+        body.silence_mm = silence_mm.and_then(NonZeroU16::new);
         let mut rig = Rig::new(body);
         rig.command(Command::Explore { moves: 9, seed: 5 });
         rig.hear(ranges);

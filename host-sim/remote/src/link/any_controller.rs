@@ -55,8 +55,8 @@ impl AnyController {
             ControllerPlace::Host => Ok(Self::local(config, robot)),
             ControllerPlace::Link(session, name) => {
                 let number = next_number(session.number());
-                let body = robot.map(AnyRobot::body);
-                let started = RemoteController::start(session, number, config, body.as_ref());
+                let robot = robot.map(AnyRobot::told);
+                let started = RemoteController::start(session, number, config, robot.as_ref());
                 let controller =
                     started.map_err(|error| BadInput::new(format!("{name}: {error}")))?;
                 Ok(Self::Link(Box::new(CachedRemote {

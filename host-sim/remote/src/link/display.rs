@@ -58,6 +58,9 @@ pub fn refusal(why: Refusal) -> String {
         Refusal::Body => {
             "its firmware is for a ring on a turret: build it with --features any-body".into()
         }
+        Refusal::NoPlaces => {
+            "its firmware has no memory of places: build it with --features places".into()
+        }
     }
 }
 

@@ -40,6 +40,7 @@ pub use remote_controller::RemoteController;
 pub use session::{Response, RetryPolicy, Session};
 pub use transport::{Serial, Tcp, Transport};
 
+use sim::robot::AnyRobot;
 use std::path::PathBuf;
 
 /// Options of the emulator.
@@ -47,10 +48,43 @@ use std::path::PathBuf;
 pub struct Emulation {
     /// Image of the firmware; without one it is built from the project's sources.
     pub firmware: Option<PathBuf>,
-    /// Build it for sensors anywhere on the body.
-    pub any_body: bool,
+    /// What it is built for.
+    pub program: Program,
     /// Copy the emulator's messages to standard error.
     pub verbose: bool,
+}
+
+/// What the firmware is built for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Program {
+    /// A ring on a held turret.
+    #[default]
+    Ring,
+    /// Sensors anywhere on the body.
+    AnyBody,
+    /// The same, with a memory of places.
+    Places,
+}
+
+impl Program {
+    /// The program for a robot; `None` = the Nomad with its own ring.
+    #[must_use]
+    pub fn of(robot: Option<&AnyRobot>) -> Self {
+        match robot {
+            None => Self::Ring,
+            Some(robot) if robot.is_led() => Self::Places,
+            Some(_) => Self::AnyBody,
+        }
+    }
+
+    /// The machine that runs it.
+    fn machine(self) -> &'static Machine {
+        match self {
+            Self::Ring => &Machine::OLIMEX_H405,
+            Self::AnyBody => &Machine::OLIMEX_H405_ANY_BODY,
+            Self::Places => &Machine::OLIMEX_H405_PLACES,
+        }
+    }
 }
 
 /// Opens a transport to the controller at `address`.
@@ -62,11 +96,7 @@ pub fn connect(address: &Address, emulation: &Emulation) -> Result<Box<dyn Trans
         Address::Serial { path, baud } => Box::new(Serial::open(path, *baud)?),
         Address::Tcp(host) => Box::new(Tcp::open(host)?),
         Address::Qemu => {
-            let machine = if emulation.any_body {
-                &Machine::OLIMEX_H405_ANY_BODY
-            } else {
-                &Machine::OLIMEX_H405
-            };
+            let machine = emulation.program.machine();
             let image = match &emulation.firmware {
                 Some(image) => image.clone(),
                 None => image::build(machine)?,

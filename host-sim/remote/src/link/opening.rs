@@ -2,11 +2,11 @@
 
 use super::{Fingerprint, Knowledge, LinkError, Session};
 use amp::config::{Config, MAX_CONFIG};
-use amp::turret::BodySpec;
 use amp::wire::message::{
     Clock, DeviceHello, DeviceMessage, Dimensions, HostHello, Refusal, RobotCommand, TransferPart,
 };
 use amp::wire::{HostMessage, PROTOCOL, SCHEMA};
+use sim::robot::ToldRobot;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 /// Protocol and dimensions of this program.
@@ -33,13 +33,13 @@ pub fn next_number(number: u16) -> u16 {
 }
 
 impl Session {
-    /// Opens session `number` and the next one with this configuration and body (`None` = a ring on
-    /// a held turret) and without knowledge; returns the fingerprints before and after.
+    /// Opens session `number` and the next one with this configuration and robot (`None` = a ring
+    /// on a held turret) and without knowledge; returns the fingerprints before and after.
     pub(super) fn open_fresh(
         &mut self,
         number: u16,
         config: &Config<16>,
-        body: Option<&BodySpec<16>>,
+        robot: Option<&ToldRobot>,
     ) -> Result<(Fingerprint, Fingerprint), LinkError> {
         let fresh = Fingerprint::fresh(config)?;
         self.expect_open_space(config.open_space);
@@ -48,9 +48,13 @@ impl Session {
         self.command(0, RobotCommand::Stop)?;
         self.write_part(TransferPart::Config, &Knowledge::encode_config(config)?)?;
         let mut buffer = [0; MAX_CONFIG];
-        let body = body.map_or(&[][..], |body| body.to_bytes(&mut buffer));
+        let body = robot.map_or(&[][..], |robot| robot.body.to_bytes(&mut buffer));
         self.write_part(TransferPart::Body, body)?;
         self.command(0, RobotCommand::Forget)?;
+        // It knows already whether its places, if it has any, lead it.
+        if robot.is_some_and(|robot| !robot.is_led) {
+            self.command(0, RobotCommand::Lead(None))?;
+        }
         let hello = self.open(next_number(self.number()), Clock::Host)?;
         match Fingerprint::from(&hello).differences(&fresh).first() {
             Some(what) => Err(LinkError::Mismatch { what }),

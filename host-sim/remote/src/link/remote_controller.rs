@@ -3,10 +3,13 @@
 //! The controller's clock follows the time of the messages (`Clock::Host`), so neither a slow
 //! link nor a slow chip changes the result of an episode.
 
+mod heartbeats;
+
 use super::{Fingerprint, Knowledge, LinkError, Response, Session, next_number};
 use amp::config::Config;
-use amp::controller::{Command, Event, Motion, Outputs, Progress, StopReason};
+use amp::controller::{Command, Event, Motion, Outputs, StopReason};
 use amp::fixed::Mask;
+use amp::places::Aim;
 use amp::som::Grid;
 use amp::turret::BodySpec;
 use amp::units::{Millis, Range};
@@ -17,12 +20,9 @@ use amp::wire::message::{
 use amp::wire::{HostMessage, message};
 use sim::error::EpisodeError;
 use sim::pilot::{AgedEcho, InspectableController, Pilot, SimState};
+use sim::robot::ToldRobot;
 use std::borrow::BorrowMut;
 use std::time::{Duration, Instant};
-
-/// Interval of heartbeats in simulated time, milliseconds: half of the allowed silence, so that one
-/// may be lost.
-const HEARTBEAT_MS: u32 = amp::link::SILENCE_MS / 2;
 
 /// Interval of the queries whether the controller still learns.
 const LEARN_POLL: Duration = Duration::from_millis(500);
@@ -35,8 +35,8 @@ const LEARN_TIMEOUT: Duration = Duration::from_secs(60);
 pub struct RemoteController<S> {
     session: S,
     config: Config<16>,
-    /// The body, as it was told.
-    body: Option<BodySpec<16>>,
+    /// The robot, as it was told.
+    robot: Option<ToldRobot>,
     /// Transducers that the controller's fault detector has disabled.
     disabled: Mask,
     found: Fingerprint,
@@ -54,7 +54,7 @@ pub struct RemoteController<S> {
 }
 
 impl<S: BorrowMut<Session>> RemoteController<S> {
-    /// Opens session `number` and the next one: writes the configuration and the body (`None` = a
+    /// Opens session `number` and the next one: writes the configuration and the robot (`None` = a
     /// ring on a held turret), clears the knowledge and checks it and the configuration.
     ///
     /// # Errors
@@ -63,13 +63,13 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
         mut session: S,
         number: u16,
         config: &Config<16>,
-        body: Option<&BodySpec<16>>,
+        robot: Option<&ToldRobot>,
     ) -> Result<Self, LinkError> {
-        let (found, fresh) = session.borrow_mut().open_fresh(number, config, body)?;
+        let (found, fresh) = session.borrow_mut().open_fresh(number, config, robot)?;
         Ok(Self {
             session,
             config: config.clone(),
-            body: body.cloned(),
+            robot: robot.cloned(),
             disabled: Mask::NONE,
             found,
             fresh,
@@ -90,7 +90,7 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
     pub fn restart(&mut self, config: &Config<16>) -> Result<(), LinkError> {
         let session = self.session.borrow_mut();
         let number = next_number(session.number());
-        (self.found, self.fresh) = session.open_fresh(number, config, self.body.as_ref())?;
+        (self.found, self.fresh) = session.open_fresh(number, config, self.robot.as_ref())?;
         (self.config, self.disabled) = (config.clone(), Mask::NONE);
         (self.last_sent, self.motion, self.error) = (Millis::from_ms(0), None, None);
         self.thinking = false;
@@ -199,25 +199,6 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
         done
     }
 
-    /// Advances the controller's time. Every message does so; a message of its own is needed only
-    /// after a silence.
-    fn tick(&mut self, at: Millis) -> Result<Outputs<16>, LinkError> {
-        if !(HEARTBEAT_MS..1 << 31).contains(&at.since(self.last_sent)) {
-            return Ok(Outputs::NONE);
-        }
-        // A heartbeat is not answered, but its outcome is needed: so this sends odometry without
-        // motion.
-        let message = HostMessage::Odometry {
-            at_ms: at.as_ms(),
-            motion: self.motion.map_or(0, |(id, _)| id),
-            dx_mm: 0,
-            dy_mm: 0,
-            turned: 0,
-            progress: Progress::Moving,
-        };
-        self.send(at, &message)
-    }
-
     fn send_command(
         &mut self,
         at: Millis,
@@ -236,22 +217,6 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
         self.queue_heartbeats(at)?;
         let answer = self.session.borrow_mut().request(message)?;
         self.outputs(&answer)
-    }
-
-    /// Queues heartbeats for the time until `at`.
-    fn queue_heartbeats(&mut self, at: Millis) -> Result<(), LinkError> {
-        let mut gap_ms = at.since(self.last_sent);
-        // A time before the latest one looks like a large gap.
-        while (HEARTBEAT_MS + 1..1 << 31).contains(&gap_ms) {
-            self.last_sent = Millis::from_ms(self.last_sent.as_ms().wrapping_add(HEARTBEAT_MS));
-            let at_ms = self.last_sent.as_ms();
-            self.session
-                .borrow_mut()
-                .queue(&HostMessage::Alive { at_ms })?;
-            gap_ms = at.since(self.last_sent);
-        }
-        self.last_sent = at;
-        Ok(())
     }
 
     fn outputs(&mut self, answer: &Response) -> Result<Outputs<16>, LinkError> {
@@ -353,12 +318,27 @@ impl<S: BorrowMut<Session>> Pilot for RemoteController<S> {
             return (echoes.len(), Outputs::NONE);
         }
         // Each echo of a body's sensors may shorten its motion.
-        let count = match &self.body {
+        let count = match &self.robot {
             None => batch(echoes, self.enabled()),
             Some(_) => 1,
         };
         let result = self.send_echoes(at, echoes.get(..count).unwrap_or(echoes));
         (count, self.record_error(result))
+    }
+
+    fn lead_to(&mut self, aim: Option<Aim>) -> Result<(), EpisodeError> {
+        let Some(robot) = &self.robot else {
+            return aim.map_or(Ok(()), |_| Err(EpisodeError::NoPlaces));
+        };
+        let command = RobotCommand::Lead(robot.led(aim));
+        match self.send_command(self.last_sent, command) {
+            Ok(_) => Ok(()),
+            Err(LinkError::Refused(Refusal::NoPlaces)) => Err(EpisodeError::NoPlaces),
+            Err(error) => {
+                self.error = Some(error.clone());
+                Err(EpisodeError::from(error))
+            }
+        }
     }
 
     fn failure(&self) -> Option<EpisodeError> {

@@ -91,6 +91,10 @@ pub fn run_observed<'w>(
     runner.nest_known = nest_known(controller.knowledge()?);
     if matches!(setup.behavior, Behavior::Nest { .. }) {
         runner.tour(controller, setup, |_| {})?;
+        // Nobody carries a robot that drives.
+        if setup.behavior.tour().is_some_and(|tour| tour.steps > 0) {
+            runner.command(controller, Command::Stop)?;
+        }
     }
     runner.set_scene(setup);
     runner.pursue(controller, setup, |done| {

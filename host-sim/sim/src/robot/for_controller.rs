@@ -25,7 +25,6 @@ impl AnyRobot {
     pub fn told(&self) -> ToldRobot {
         ToldRobot {
             body: self.body(),
-            has_compass: !self.heading_drifts(),
             is_led: self.is_led,
         }
     }
@@ -60,6 +59,7 @@ impl AnyRobot {
             most_unseen: if self.has_few_sensors() { 4 } else { u8::MAX },
             guard: self.guard.and_then(|share| self.guard(share)),
             babble_margin_mm: self.scaled_mm(BABBLE_MARGIN_MM),
+            has_compass: !self.heading_drifts(),
         }
     }
 
@@ -70,7 +70,7 @@ impl AnyRobot {
         rings: impl IntoIterator<Item = (f64, [Option<Range>; 16])>,
     ) -> ([Option<Range>; 16], Mask) {
         let limits = self.body().points;
-        let silence = self.silence_mm().map(Range::from_mm);
+        let silence = self.silence_mm().map(|mm| Range::from_mm(mm.get()));
         let mut points = PointMemory::<256>::new();
         for (turn_rad, ranges) in rings {
             let turned = bearing(turn_rad).minus(points.heading());

@@ -1,6 +1,7 @@
 //! What a robot has of its own, and what its controller is told of it.
 
 use super::MAX_BEAMS;
+use amp::places::Aim;
 use amp::turret::BodySpec;
 use arena::noise::Noise;
 use files::error::BadInput;
@@ -13,10 +14,18 @@ use std::str::FromStr;
 pub struct ToldRobot {
     /// Its body.
     pub body: BodySpec<MAX_BEAMS>,
-    /// Its heading does not drift.
-    pub has_compass: bool,
     /// Its memory of places leads it to goals.
     pub is_led: bool,
+}
+
+impl ToldRobot {
+    /// Where its places lead it when it is to be led there. One that they do not lead to goals
+    /// still drives around by them.
+    #[must_use]
+    pub fn led(&self, aim: Option<Aim>) -> Option<Aim> {
+        let drives_around = matches!(aim, Some(Aim::Frontier | Aim::Everywhere));
+        aim.filter(|_| self.is_led || drives_around)
+    }
 }
 
 /// What a robot is taken from its model.

@@ -1,23 +1,18 @@
 //! `host-sim link`: commands a controller on a chip and reads its state.
 
 mod follow;
+mod goal;
+mod lead;
 mod tables;
 
 use super::CliError;
 use super::remote::{named, open};
-use amp::config::Config;
-use amp::fixed::Weight;
-use amp::goal::{Goal, Name, SaveGoalError};
 use amp::wire::HostMessage;
-use amp::wire::message::{
-    Clock, DeviceMessage, FlashOperation, GoalSpec, ModeReport, RobotCommand,
-};
+use amp::wire::message::{Clock, DeviceMessage, FlashOperation, ModeReport, RobotCommand};
 use clap::{Args, Subcommand, ValueEnum};
 use files::error::BadInput;
 use follow::{FollowError, follow, monitor};
-use remote::link::{Address, Emulation, Knowledge, LinkError, Session};
-use sim::behavior::Behavior;
-use sim::goal_file::GoalFile;
+use remote::link::{Address, Emulation, Knowledge, LinkError, Program, Session};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -33,6 +28,7 @@ Examples, each after `host-sim link --to serial:/dev/ttyUSB0`:
   flash save           save it in flash
   goal wall-right      set the goal ...
   seek                 ... and pursue it (the robot drives!)
+  lead home            its places lead it home while it pursues the goal
   params far 1200      change a parameter
 
 Without any hardware, in an emulated chip:
@@ -93,6 +89,16 @@ enum LinkVerb {
     Learn,
     /// Pursue the goal until interrupted
     Seek(DurationArgs),
+    /// Set where its places lead it while it pursues the goal (firmware with the feature places)
+    Lead {
+        /// home, X,Y (meters, in the frame of its odometry when it began to explore), frontier or
+        /// everywhere (to where it has not been), situation (to where the goal was perceived), or
+        /// off
+        #[arg(allow_hyphen_values = true)]
+        to: String,
+    },
+    /// Tell it that it was carried elsewhere
+    SetDown,
     /// Stop moving
     Stop,
     /// Resume after a stop, until interrupted
@@ -194,7 +200,7 @@ impl DurationArgs {
 pub(super) fn link(args: &LinkArgs, out: &mut impl Write) -> Result<(), CliError> {
     let emulation = Emulation {
         firmware: args.firmware.clone(),
-        any_body: false,
+        program: Program::Ring,
         verbose: args.verbose,
     };
     // Arguments are checked before the controller is contacted.
@@ -214,7 +220,7 @@ pub(super) fn link(args: &LinkArgs, out: &mut impl Write) -> Result<(), CliError
 /// A subcommand with its checked arguments.
 enum CheckedVerb {
     Nothing,
-    Goal(GoalSpec<16>),
+    Command(RobotCommand<16>),
     Upload(Box<Knowledge>),
     Parameters(tables::RequestedParameters),
     Ask(HostMessage<16>),
@@ -223,55 +229,24 @@ enum CheckedVerb {
 impl CheckedVerb {
     fn prepare(verb: &LinkVerb) -> Result<Self, BadInput> {
         Ok(match verb {
-            LinkVerb::Goal { goal } => Self::Goal(match goal.as_str() {
-                "avoid" => GoalSpec::Avoid,
-                "perceived" => GoalSpec::Perceived,
-                text => match saved_goal(text) {
-                    Some(saved) => GoalSpec::Saved(name(saved)?),
-                    None => GoalSpec::Components(goal_by_name(text)?),
-                },
-            }),
+            LinkVerb::Goal { goal } => Self::Command(RobotCommand::Goal(goal::spec(goal)?)),
+            LinkVerb::Lead { to } => Self::Command(RobotCommand::Lead(lead::aim(to)?)),
+            LinkVerb::SetDown => Self::Command(RobotCommand::SetDown),
+            LinkVerb::Stop => Self::Command(RobotCommand::Stop),
             LinkVerb::Upload { file } => Self::Upload(Box::new(Knowledge::load(file)?)),
             LinkVerb::Flash { action } => Self::Ask(HostMessage::Flash((*action).into())),
-            LinkVerb::Save { name: text } => Self::Ask(HostMessage::SaveGoal { name: name(text)? }),
-            LinkVerb::Delete { name: text } => {
-                Self::Ask(HostMessage::DeleteGoal { name: name(text)? })
-            }
+            LinkVerb::Save { name: text } => Self::Ask(HostMessage::SaveGoal {
+                name: goal::name(text)?,
+            }),
+            LinkVerb::Delete { name: text } => Self::Ask(HostMessage::DeleteGoal {
+                name: goal::name(text)?,
+            }),
             LinkVerb::Goals => Self::Ask(HostMessage::ListGoals),
             LinkVerb::Params { name, value } => {
                 Self::Parameters(tables::wanted(name.as_deref(), *value)?)
             }
             _ => Self::Nothing,
         })
-    }
-}
-
-/// The name behind `saved:`, or behind its former spelling.
-fn saved_goal(text: &str) -> Option<&str> {
-    text.strip_prefix("saved:")
-        .or_else(|| text.strip_prefix("kept:"))
-}
-
-/// Parses the name of a saved goal.
-fn name(text: &str) -> Result<Name, BadInput> {
-    let name = Name::new(text);
-    name.ok_or_else(|| BadInput::new(format!("\"{text}\": {}", SaveGoalError::Name)))
-}
-
-/// The goal of a behavior with the ranges of the preset `default`, or the goal of a file.
-fn goal_by_name(name: &str) -> Result<Goal<16>, BadInput> {
-    let is_file = name.contains(['.', '/']) || Path::new(name).exists();
-    if is_file {
-        return Ok(GoalFile::load(name.as_ref())?.goal());
-    }
-    match name.parse()? {
-        Behavior::Nest { .. }
-        | Behavior::Home { .. }
-        | Behavior::Sense { .. }
-        | Behavior::Chain(_) => Err(BadInput::new(format!(
-            "goal {name}: a controller on a chip takes one goal at a time; at the nest, `goal perceived` captures it"
-        ))),
-        behavior => Ok(behavior.goal(&Config::recommended(), &[Weight::ZERO; 16])),
     }
 }
 
@@ -282,7 +257,7 @@ fn perform(
     out: &mut impl Write,
 ) -> Result<(), FollowError> {
     match (verb, task) {
-        (_, CheckedVerb::Goal(goal)) => command(session, RobotCommand::Goal(goal), out),
+        (_, CheckedVerb::Command(plain)) => command(session, plain, out),
         (_, CheckedVerb::Parameters(wanted)) => tables::parameters(session, wanted, out),
         (_, CheckedVerb::Ask(message)) => ask(session, &message, out),
         (LinkVerb::Upload { file }, CheckedVerb::Upload(knowledge)) => {
@@ -296,7 +271,6 @@ fn perform(
         (LinkVerb::Seek(span), _) => drive(session, RobotCommand::Seek, *span, out),
         (LinkVerb::Resume(span), _) => drive(session, RobotCommand::Resume, *span, out),
         (LinkVerb::Learn, _) => follow_order(session, RobotCommand::Learn, None, out),
-        (LinkVerb::Stop, _) => command(session, RobotCommand::Stop, out),
         (LinkVerb::Counters, _) => tables::counters(session, out),
         _ => tables::hello(session, out),
     }

@@ -31,6 +31,7 @@ fn every_verb_says_what_came_of_it() {
     assert!(row("params far 1300").contains("far 1300"));
     assert!(verb("counters").unwrap().contains("frames accepted"));
     assert!(verb("goal avoid").unwrap().contains("done"));
+    assert!(verb("lead off").unwrap().contains("done"));
     assert!(verb("stop").unwrap().contains("stopped: on command"));
     assert_eq!(verb("monitor --for 0.1").unwrap(), "");
     assert!(verb("keep free").unwrap().contains("done"));
@@ -49,6 +50,9 @@ fn every_verb_says_what_came_of_it() {
         ("params far 9999", "between 1 and 6500 mm"),
         ("push none.mind", "none.mind: "),
         ("flash save", "it has nothing to save to"),
+        ("lead home", "its firmware has no memory of places"),
+        ("set-down", "its firmware has no memory of places"),
+        ("lead hom", "did you mean \"home\"?"),
         ("goal saved:nest", "it has no goal of this name"),
         ("drop nest", "it has no goal of this name"),
         (

@@ -327,7 +327,7 @@ fn any_body_fits_its_buffer() {
             replan_within_mm: u16::MAX,
             replan_nearer_mm: u16::MAX,
         },
-        silence_mm: Some(u16::MAX),
+        silence_mm: Some(NonZeroU16::MAX),
         first_looks: u8::MAX,
         most_unseen: u8::MAX,
         guard: Some(Guard {
@@ -335,8 +335,9 @@ fn any_body_fits_its_buffer() {
             least_range_mm: u16::MAX,
         }),
         babble_margin_mm: u16::MAX,
+        has_compass: false,
     };
-    assert_eq!(body.to_bytes(&mut [0; MAX_CONFIG]).len(), 345);
+    assert_eq!(body.to_bytes(&mut [0; MAX_CONFIG]).len(), 346);
 }
 
 #[test]

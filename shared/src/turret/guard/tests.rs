@@ -82,7 +82,7 @@ fn one_echo_from_beyond_opens_no_way_and_a_second_does() {
 fn silence_opens_a_way_for_what_sees_free_space() {
     for (silence_mm, is_open) in [(None, false), (Some(1_500), true)] {
         let mut robot = Standing::new(50, 0);
-        robot.0.body.silence_mm = silence_mm;
+        robot.0.body.silence_mm = silence_mm.and_then(NonZeroU16::new);
         robot.hears(&[(0, 80)]);
         robot.moves(Displacement::along(Bearing::ZERO, -500));
         robot.0.hear([None; 16]);

@@ -220,3 +220,24 @@ fn one_that_faces_elsewhere_goes_on_where_it_was_going() {
     let off = course.minus(rig.turret.course).as_signed_turns();
     assert!(off.unsigned_abs() < 200, "{off}");
 }
+
+/// Told so, or silent for ten minutes: what was heard before stands elsewhere, and so do its places.
+#[test]
+fn one_that_was_carried_begins_anew() {
+    for (is_told, silence_ms) in [(true, 0), (false, 600_000), (false, 0)] {
+        let mut rig = Rig::new(None);
+        let places = rig.turret.places().positions().len();
+        assert!((2..32).contains(&places), "{places}");
+        rig.command(Command::Stop);
+        if is_told {
+            rig.turret.set_down();
+        }
+        rig.ms += silence_ms;
+        let range = Some(Range::from_mm(900));
+        let _ = rig.handle(Event::Echo { sensor: 0, range });
+        let knows_it = is_told || silence_ms > 0;
+        let left = rig.turret.places().positions().len();
+        assert_eq!(left, if knows_it { 0 } else { places }, "{is_told}");
+        assert_eq!(rig.turret.memory().len() == 1, knows_it, "{is_told}");
+    }
+}

@@ -244,4 +244,6 @@ pub enum Refusal {
     InvalidGoalName,
     /// The bytes are no body, or this program is for a held ring only.
     Body,
+    /// This program has no memory of places.
+    NoPlaces,
 }

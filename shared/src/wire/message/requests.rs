@@ -5,6 +5,7 @@ use crate::controller::Progress;
 use crate::goal::{Goal, Name};
 use crate::memory::SituationBytes;
 use crate::parameters::Parameter;
+use crate::places::Aim;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -169,6 +170,10 @@ pub enum RobotCommand<const SENSORS: usize> {
         /// Whether to find as well what the base makes of its commands.
         actuators: bool,
     },
+    /// Where places lead the robot from now on while it pursues a goal; `None`: nowhere.
+    Lead(Option<Aim>),
+    /// The robot was carried elsewhere, where it stands now.
+    SetDown,
 }
 
 /// Ways to specify a goal.

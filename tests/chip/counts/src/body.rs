@@ -3,7 +3,7 @@
 use crate::driven::{DrivenRobot, EventCounts};
 use crate::stopwatch::{InstructionStats, Stopwatch};
 use amp::actuation::Actuation;
-use amp::body::MountedSensors;
+use amp::body::{Body as _, MountedSensors};
 use amp::config::Config;
 use amp::controller::{Command, Event, Mode};
 use amp::fixed::Mask;
@@ -83,6 +83,7 @@ fn spec() -> BodySpec<16> {
             least_range_mm: 153,
         }),
         babble_margin_mm: 30,
+        has_compass: false,
     }
 }
 
@@ -131,7 +132,7 @@ impl<const RECORDS: usize> BodyEpisode<'_, RECORDS> {
 
     fn seek(&mut self) {
         let goal = Goal::avoiding(&self.robot.config);
-        self.robot.body.lead_to(Some(Aim::Frontier));
+        let _ = self.robot.body.lead_to(Some(Aim::Frontier));
         self.robot.send(|| Event::Command(Command::Seek(goal)));
         for _ in 0..DECISIONS {
             let (instructions, out) = self.robot.ring();

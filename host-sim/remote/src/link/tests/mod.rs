@@ -10,7 +10,7 @@ use arena::robot::TurretMode;
 use arena::robot_model::RobotModel;
 use arena::sonar::SonarModel;
 use arena::world::World;
-use sim::behavior::Behavior;
+use sim::behavior::{Behavior, Tour, TourBy};
 use sim::episode::{Episode, Setup, run, run_with};
 use sim::error::EpisodeError;
 use sim::pilot::{AgedEcho, LocalController, Pilot as _};
@@ -49,8 +49,8 @@ fn here(world: &World, setup: &Setup) -> Episode {
 
 fn there(session: &mut Session, world: &World, setup: &Setup) -> Result<Episode, EpisodeError> {
     let number = session.number() + 1;
-    let body = setup.robot.as_ref().map(AnyRobot::body);
-    let started = RemoteController::start(session, number, &setup.config, body.as_ref());
+    let robot = setup.robot.as_ref().map(AnyRobot::told);
+    let started = RemoteController::start(session, number, &setup.config, robot.as_ref());
     let mut controller = started.map_err(EpisodeError::from)?;
     run_with(world, setup, &mut controller, |_, _, _| {})
 }
@@ -86,13 +86,55 @@ fn another_robot_is_the_same_at_the_other_end_of_a_link() {
     }
 }
 
+/// Home after a tour; carried away, with a heading that drifts; and by the goal alone.
+#[test]
+fn places_lead_a_robot_at_the_other_end_of_a_link_as_here() {
+    let tour = Tour {
+        steps: 60,
+        by: TourBy::Frontier,
+    };
+    let nest = Behavior::Nest {
+        tour,
+        is_turned: true,
+    };
+    for (sonar, ranges, is_led, behavior) in [
+        (
+            SonarModel::Ideal,
+            Ranges::Nomad,
+            true,
+            Behavior::Home { tour },
+        ),
+        (SonarModel::Nomad, Ranges::Own, true, nest.clone()),
+        (SonarModel::Ideal, Ranges::Nomad, false, nest),
+    ] {
+        let model = RobotModel::builtin("p3dx").unwrap();
+        let robot = AnyRobot::new(model, ranges, true).unwrap().led(is_led);
+        let setup = Setup {
+            config: robot.config(Config::recommended()),
+            robot: Some(robot),
+            behavior,
+            ..setup(sonar, 40, 80)
+        };
+        let world = World::random(5);
+        let node = InProcessNode::<16, SimBody>::of_body(Config::recommended());
+        let mut session = Session::new(Box::new(node));
+        let (far, near) = (there(&mut session, &world, &setup), here(&world, &setup));
+        assert_same(&far.unwrap(), &near);
+        assert!(
+            near.report.shortest_m.is_none_or(|m| m > 0.5),
+            "{:?}",
+            near.report
+        );
+    }
+}
+
 #[test]
 fn a_program_for_a_ring_refuses_a_body() {
     let model = RobotModel::builtin("thymio2").unwrap();
     let robot = AnyRobot::new(model, Ranges::Own, true).unwrap();
     let mut session = Session::new(Box::new(InProcessNode::<16>::new(Config::recommended())));
     let started =
-        RemoteController::start(&mut session, 1, &Config::recommended(), Some(&robot.body()));
+        RemoteController::start(&mut session, 1, &Config::recommended(), Some(&robot.told()));
     let refused = started.err();
     assert_eq!(refused, Some(LinkError::Refused(Refusal::Body)));
 }
