@@ -199,6 +199,42 @@ fn a_view_that_is_steered_leaves_a_log_that_replays_bit_for_bit() {
     }
 }
 
+/// It seeks a scent that is moved, goes to a place, and is carried.
+#[test]
+fn a_view_of_a_robot_with_places_leaves_a_log_that_replays_bit_for_bit() {
+    let program = host_sim!();
+    let flags = "--world office --robot p3dx --ranges nomad --behavior scent:strongest --tour 20 --explore 12";
+    let viewed = Viewed::start(&program, &format!("{flags} --speed max --log a.mcap"));
+    let mut steerer = viewed.steerer();
+    steerer.explore_and_learn(12);
+    for order in [
+        json!({"do": "seek"}),
+        json!({"do": "move_source", "source": 0, "x": 1.0, "y": 0.5}),
+        json!({"do": "goal_position", "x": -1.5, "y": 0.5}),
+        json!({"do": "move_robot", "x": 0.5, "y": 0.5}),
+    ] {
+        // It may have reached its goal meanwhile, and have stopped.
+        for order in [order, json!({"do": "seek"})] {
+            let done = steerer.order(order.clone());
+            done.unwrap_or_else(|why| panic!("{order}: {why}"));
+        }
+        let steps = steerer.latest("now")["counts"]["steps"].as_u64();
+        steerer.decided(steps.expect("steps") + 4);
+    }
+    steerer.order(json!({"do": "stop"})).expect("it stops");
+    assert_eq!(viewed.end(), Some(0));
+    replays(&program, "a.mcap", "complete");
+    let said = program.ok("log a.mcap");
+    for word in [
+        "p3dx",
+        "scent:strongest",
+        "seek in another modality",
+        "stop",
+    ] {
+        assert!(said.contains(word), "{word}: {said}");
+    }
+}
+
 #[test]
 fn a_view_that_is_killed_leaves_a_log_up_to_its_last_chunk() {
     let program = host_sim!();
