@@ -16,4 +16,6 @@ pub struct PlacesDto {
     pub frontiers: Vec<[Xy; 2]>,
     /// Where it perceived what is sought in another modality, and how strongly, 0 to 1.
     pub sensed: Vec<(Xy, Rounded)>,
+    /// Where it may be after it was set down elsewhere, and how much speaks for that, 0 to 1.
+    pub guesses: Vec<(Xy, Rounded)>,
 }

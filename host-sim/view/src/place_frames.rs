@@ -8,6 +8,9 @@ use arena::world::{Point, Pose};
 use sim::turret_pilot::SimTurret;
 use std::f64::consts::TAU;
 
+/// A guess with this score is believed, if it is the best.
+const BELIEVED: f64 = 300.0;
+
 /// Where the frame of the robot's places lies in the world.
 #[derive(Debug, Clone, Copy)]
 struct PlaceFrame {
@@ -181,6 +184,15 @@ impl SeenPlaces<'_> {
         plan.map(|place| xy(self.reached(place))).collect()
     }
 
+    /// Where it may be, and how much speaks for that.
+    fn guesses(&self) -> impl Iterator<Item = (Xy, Rounded)> {
+        self.turret.places().guesses().map(|(position, score)| {
+            let place = self.frames.frame.to_world(position);
+            let strength = (f64::from(score) / BELIEVED).clamp(0.0, 1.0);
+            (xy(place), Rounded(strength))
+        })
+    }
+
     /// All that the page shows; `remembered` is where it perceived what is sought in another
     /// modality, and how strongly.
     pub fn dto(&self, remembered: &[(Displacement, f64)]) -> PlacesDto {
@@ -202,6 +214,7 @@ impl SeenPlaces<'_> {
             blocked: places.blocked().map(|(one, other)| [one, other]).collect(),
             frontiers: ways.collect(),
             sensed: sensed.collect(),
+            guesses: self.guesses().collect(),
         }
     }
 }

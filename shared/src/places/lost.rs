@@ -180,6 +180,14 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             .map(|first| (self.lost.began, first))
     }
 
+    /// Where among its places a robot that was set down elsewhere may be, from the start, and the
+    /// score of each guess: what speaks for it, about 300 to be believed, below 0 what speaks
+    /// against it.
+    pub fn guesses(&self) -> impl Iterator<Item = (Displacement, i16)> {
+        let guesses = self.lost.guesses.iter();
+        guesses.map(|guess| (guess.transform.apply(self.here), guess.score))
+    }
+
     /// What a robot with this aim is led to. While it does not know where it is it drives around;
     /// where that has not helped it looks for the goal's situation.
     pub(crate) fn aim_while_lost(&mut self, aim: Aim, goal: &Goal<SECTORS>) -> Aim {

@@ -176,6 +176,18 @@ fn a_recording_draws_the_places_of_its_robot() {
     its_places_are_drawn(&mut page);
     page.wait("view.scene.sensors.length === 16 && view.now.beams_m.length === 16");
     keep_aside("view-replay-places.png", &mut page);
+    // It has been carried, and does not know yet where it is.
+    for at in (300..).step_by(2) {
+        assert!(at < 400, "it guesses nothing");
+        page.eval(&format!("ask('jump', {{to: {at}}})"));
+        page.wait(&format!("view.now.at === {at}"));
+        if page.eval("view.places.guesses.length > 3") == true {
+            break;
+        }
+    }
+    page.wait("document.querySelectorAll('.guess').length === view.places.guesses.length");
+    fits(&mut page);
+    keep("view-lost.png", &mut page);
     page.eval("document.getElementById('at').focus()");
     page.press("End", "End");
     page.wait("view.now.note === 'The recording ends here'");

@@ -4,6 +4,7 @@ const places = {};
 function buildPlaces() {
   const [known, way] = [arena["places-layer"], arena["way-layer"]];
   for (const layer of [known, way]) layer.setAttribute("pointer-events", "none");
+  places.guesses = svg("g", {}, known);
   for (const name of ["links", "blocked", "frontiers", "dots"]) places[name] = svg("path", { class: `places-${name}` }, known);
   places.rim = svg("path", { class: "way rim" }, way);
   places.line = svg("path", { class: "way" }, way);
@@ -35,6 +36,19 @@ function showPlaces() {
   const r = (2.2 * u).toFixed(1);
   const dot = (place) => `M${at(place)}m${-r} 0a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0`;
   set(places.dots, { d: known.places.map(dot).join("") });
+  showGuesses(known.guesses);
+}
+
+// Where a robot that was set down elsewhere may be: the darker, the more speaks for it.
+function showGuesses(guesses) {
+  const drawn = places.guesses;
+  $("guess-sign").hidden = !guesses.length;
+  while (drawn.children.length > guesses.length) drawn.lastChild.remove();
+  while (drawn.children.length < guesses.length) svg("circle", { class: "guess" }, drawn);
+  guesses.forEach(([place, strength], index) => {
+    const [cx, cy] = cm(place);
+    set(drawn.children[index], { cx, cy, r: 100 * view.scene.radii_m[0], "fill-opacity": (0.1 + 0.5 * strength).toFixed(2) });
+  });
 }
 
 // The way from where the robot thinks that it is, and a ghost of it if it is elsewhere.

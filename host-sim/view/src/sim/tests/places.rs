@@ -219,6 +219,7 @@ fn a_robot_that_knows_enough_finds_out_where_it_was_set_down() {
     let (home, known) = (simulator.home(), places(&mut simulator));
     let found = count(&known, "places");
     assert!(found >= 32, "{found}");
+    assert_eq!(count(&known, "guesses"), 0);
     let on_floor =
         |place: &Value| Point::new(place[0].as_f64().unwrap(), place[1].as_f64().unwrap());
     let all = Vec::from_iter(known["places"].as_array().unwrap().iter().map(on_floor));
@@ -238,9 +239,22 @@ fn a_robot_that_knows_enough_finds_out_where_it_was_set_down() {
     assert!(count(&now, "places") > found);
     let newest = on_floor(&now["places"][found]);
     assert!(newest.distance(Point::new(x, y)) < 0.3, "{newest:?}");
+    let (mut strongest, mut guesses) = (0.0, 0);
     while seeks(&simulator) {
-        decide(&mut simulator, 1);
+        let here = decide(&mut simulator, 1)[0];
+        let now = places(&mut simulator);
+        guesses = guesses.max(count(&now, "guesses"));
+        for guess in now["guesses"].as_array().unwrap() {
+            let strength = guess[1].as_f64().unwrap();
+            strongest = f64::max(strongest, strength);
+            // It is at a place that it knew; what is nearly believed is where it is.
+            let guessed = on_floor(&guess[0]);
+            let off = |place: &Point| place.distance(guessed);
+            assert!(all.iter().any(|place| off(place) < 1.0), "{guess}");
+            assert!(strength < 0.9 || off(&here) < 0.3, "{guess} {here:?}");
+        }
     }
+    assert!(guesses > 1 && strongest > 0.9, "{guesses} {strongest}");
     let place = simulator.body.pose().position;
     assert!(place.distance(home) < 0.3, "{place:?} {home:?}");
 }
