@@ -91,9 +91,9 @@ enum LinkVerb {
     Seek(DurationArgs),
     /// Set where its places lead it while it pursues the goal (firmware with the feature places)
     Lead {
-        /// home, X,Y (meters, in the frame of its odometry when it began to explore), frontier or
-        /// everywhere (to where it has not been), situation (to where the goal was perceived), or
-        /// off
+        /// home, X,Y (meters from where it began to explore; x is where its front pointed at its
+        /// start), frontier or everywhere (to where it has not been), situation (to where the goal
+        /// was perceived), or off
         #[arg(allow_hyphen_values = true)]
         to: String,
     },
