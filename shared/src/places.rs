@@ -36,6 +36,7 @@ mod wavefront;
 
 use compass::Compass;
 use graph::Graph;
+pub use lost::BELIEVED;
 use lost::Lost;
 use recent::Recent;
 use relocate::BestPosition;

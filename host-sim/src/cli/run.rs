@@ -246,16 +246,18 @@ fn check_robot(args: &RunArgs, setup: &Setup) -> Result<(), BadInput> {
         return Ok(());
     };
     let is_remote = args.mind.choice != MindChoice::Host;
-    if let Some(goal) = setup.behavior.sense_goals().next()
-        && (!robot.is_led() || is_remote)
-    {
-        let (goal, flag) = (
-            goal.name(),
-            if is_remote { "--mind" } else { "--places off" },
-        );
-        return Err(BadInput::new(format!(
-            "{flag}: the behavior {goal} needs a memory of places and what was perceived there, in this process"
-        )));
+    if let Some(goal) = setup.behavior.sense_goals().next() {
+        let goal = goal.name();
+        if !robot.is_led() {
+            return Err(BadInput::new(format!(
+                "--places off: the behavior {goal} needs a memory of places"
+            )));
+        }
+        if is_remote {
+            return Err(BadInput::new(format!(
+                "--mind: the behavior {goal} is only for the controller in this process: no other takes scents, light or colors"
+            )));
+        }
     }
     let flags = [
         ("--save", args.save.is_some()),

@@ -3,13 +3,11 @@
 use super::dto::xy;
 use super::known_places::PlacesDto;
 use super::snapshot::{Rounded, Xy};
+use amp::places::BELIEVED;
 use amp::units::Displacement;
 use arena::world::{Point, Pose};
 use sim::turret_pilot::SimTurret;
 use std::f64::consts::TAU;
-
-/// A guess with this score is believed, if it is the best.
-const BELIEVED: f64 = 300.0;
 
 /// Where the frame of the robot's places lies in the world.
 #[derive(Debug, Clone, Copy)]
@@ -188,7 +186,7 @@ impl SeenPlaces<'_> {
     fn guesses(&self) -> impl Iterator<Item = (Xy, Rounded)> {
         self.turret.places().guesses().map(|(position, score)| {
             let place = self.frames.frame.to_world(position);
-            let strength = (f64::from(score) / BELIEVED).clamp(0.0, 1.0);
+            let strength = (f64::from(score) / f64::from(BELIEVED)).clamp(0.0, 1.0);
             (xy(place), Rounded(strength))
         })
     }

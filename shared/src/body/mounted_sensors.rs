@@ -322,8 +322,11 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize, const RECORD
     }
 
     fn set_down(&mut self) -> bool {
-        self.turret.set_down();
-        RECORDS > 0
+        let has_places = RECORDS > 0;
+        if has_places {
+            self.turret.set_down();
+        }
+        has_places
     }
 
     fn is_thinking(&self) -> bool {

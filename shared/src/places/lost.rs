@@ -20,8 +20,9 @@ use heapless::Vec;
 
 /// Guesses, at most.
 const GUESSES: usize = 24;
-/// A guess is believed from this score on; it is the sum of what fits better, millimeters.
-const ENOUGH: i16 = 300;
+/// A guess is believed from this score on, if it is clearly the best; the score is the sum of what
+/// fits better, millimeters.
+pub const BELIEVED: i16 = 300;
 /// The robot is certain from this score on.
 const CERTAIN: i16 = 400;
 /// Times that it goes away and back to make sure.
@@ -136,7 +137,7 @@ impl Lost {
             |guess: &&Guess| !guess.transform.is_near(&best.transform, here, 2 * SAME_MM);
         let others = self.guesses.iter().filter(is_other);
         let next = others.map(|guess| guess.score).max().unwrap_or(0);
-        (best.score >= ENOUGH && next <= best.score / 3 * 2).then_some(*best)
+        (best.score >= BELIEVED && next <= best.score / 3 * 2).then_some(*best)
     }
 }
 
@@ -181,7 +182,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     }
 
     /// Where among its places a robot that was set down elsewhere may be, from the start, and the
-    /// score of each guess: what speaks for it, about 300 to be believed, below 0 what speaks
+    /// score of each guess: what speaks for it, [`BELIEVED`] to be believed; below 0, what speaks
     /// against it.
     pub fn guesses(&self) -> impl Iterator<Item = (Displacement, i16)> {
         let guesses = self.lost.guesses.iter();

@@ -8,7 +8,7 @@ use amp::units::Millis;
 use arena::robot_model::RobotModel;
 use arena::sonar::SonarModel;
 use arena::world::World;
-use sim::behavior::{Behavior, Tour, TourBy};
+use sim::behavior::{Behavior, Tour};
 use sim::episode::{self, Setup};
 use sim::pilot::{LocalController, Pilot};
 use sim::robot::{AnyRobot, Origin, Ranges};
@@ -46,10 +46,7 @@ fn a_log_does_not_change_the_episode_and_is_the_same_twice() {
 #[test]
 fn a_log_of_a_robot_with_places_replays_bit_for_bit() {
     let told = |robot: AnyRobot| robot.with_geometry(Origin::Learned).unwrap();
-    let tour = Tour {
-        steps: 60,
-        by: TourBy::Frontier,
-    };
+    let tour = Tour::of(60);
     let nest = Behavior::Nest {
         tour,
         is_turned: true,

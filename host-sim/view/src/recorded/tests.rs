@@ -5,7 +5,7 @@ use arena::sonar::SonarModel;
 use arena::world::World;
 use remote::link::Knowledge;
 use remote::log::fixture::{changed, file, logged, setup};
-use sim::behavior::{Behavior, Tour, TourBy};
+use sim::behavior::{Behavior, Tour};
 use sim::episode;
 use sim::pilot::LocalController;
 use sim::robot::{AnyRobot, Ranges};
@@ -79,10 +79,7 @@ fn with_places(behavior: &str) -> WatchedLog {
     let p3dx = RobotModel::builtin("p3dx").unwrap();
     let robot = AnyRobot::new(p3dx, Ranges::Nomad, true).unwrap();
     let ring = setup(SonarModel::Ideal);
-    let tour = Tour {
-        steps: 150,
-        by: TourBy::Frontier,
-    };
+    let tour = Tour::of(150);
     let behavior = match behavior.parse().unwrap() {
         Behavior::Sense { goal, .. } => Behavior::Sense { goal, tour },
         _ => Behavior::Nest {

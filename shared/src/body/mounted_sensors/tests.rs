@@ -340,6 +340,16 @@ fn any_body_fits_its_buffer() {
     assert_eq!(body.to_bytes(&mut [0; MAX_CONFIG]).len(), 346);
 }
 
+/// What is refused changes nothing.
+#[test]
+fn one_without_places_is_not_set_down() {
+    let mut sensors = Sensors::new();
+    sensors.tell(&even_body(16, None));
+    let before = sensors.clone();
+    assert!(!sensors.set_down());
+    assert_eq!(sensors, before);
+}
+
 #[test]
 fn it_takes_17_kilobytes() {
     assert!(size_of::<Sensors>() <= 17_300, "{}", size_of::<Sensors>());

@@ -10,7 +10,7 @@ use arena::robot::TurretMode;
 use arena::robot_model::RobotModel;
 use arena::sonar::SonarModel;
 use arena::world::World;
-use sim::behavior::{Behavior, Tour, TourBy};
+use sim::behavior::{Behavior, Tour};
 use sim::episode::{Episode, Setup, run, run_with};
 use sim::error::EpisodeError;
 use sim::pilot::{AgedEcho, LocalController, Pilot as _};
@@ -89,10 +89,7 @@ fn another_robot_is_the_same_at_the_other_end_of_a_link() {
 /// Home after a tour; carried away, with a heading that drifts; and by the goal alone.
 #[test]
 fn places_lead_a_robot_at_the_other_end_of_a_link_as_here() {
-    let tour = Tour {
-        steps: 60,
-        by: TourBy::Frontier,
-    };
+    let tour = Tour::of(60);
     let nest = Behavior::Nest {
         tour,
         is_turned: true,
