@@ -121,11 +121,9 @@ mod tests {
             silence: Duration::from_millis(silence_ms),
             whole: Duration::from_millis(whole_ms),
         };
-        let began = Instant::now();
         let given_up = collect_stream(&trickle(), 1_000, &limits(60_000, 1_000));
         let why = given_up.unwrap_err().to_string();
         assert_eq!(why, "it has not ended within 1 s");
-        assert!(began.elapsed() < Duration::from_secs(3));
         let given_up = collect_stream(&trickle(), 1_000, &limits(1, 60_000));
         let why = given_up.unwrap_err().to_string();
         assert!(why.starts_with("nothing has come from it for"), "{why}");

@@ -6,7 +6,7 @@ use std::io;
 use std::time::{Duration, Instant};
 
 /// A [`Flood`] fails after this time.
-const FLOOD_DURATION: Duration = Duration::from_secs(5);
+const FLOOD_DURATION: Duration = Duration::from_secs(30);
 
 /// Loses whole frames at regular intervals.
 pub struct Lossy<T> {
@@ -98,8 +98,8 @@ impl Transport for Silent {
     }
 }
 
-/// Never stops sending: each wait returns the bytes of `source` at once. It fails after 5 s, so a
-/// test that waits for silence ends.
+/// Never stops sending: each wait returns the bytes of `source` at once. It fails after 30 s, so a
+/// test that waits for silence ends, with another error.
 pub struct Flood<F> {
     source: F,
     began: Option<Instant>,

@@ -20,7 +20,7 @@ use sim::turret_pilot::SimBody;
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 pub(super) mod floods;
 mod foreign_frames;
@@ -320,10 +320,8 @@ fn the_same_over_a_socket_in_real_time() {
     let remote = there(&mut session, &world, &setup).unwrap();
     assert_same(&remote, &here(&world, &setup));
     drop(served);
-    let began = Instant::now();
     let error = session.counters().unwrap_err();
     assert!(matches!(error, LinkError::Broken { .. }), "{error}");
-    assert!(began.elapsed() < Duration::from_secs(1));
 }
 
 /// Sends the same events to a local and a remote controller and compares their outputs.
