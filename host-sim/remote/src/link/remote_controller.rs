@@ -275,11 +275,7 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
         let end = Instant::now() + limit;
         let mut outputs = Outputs::NONE;
         while !outputs.mode_changed {
-            let now = Instant::now();
-            if now >= end {
-                return Err(LinkError::Learning { waited: limit });
-            }
-            let until = end.min(now + LEARN_POLL);
+            let until = end.min(Instant::now() + LEARN_POLL);
             match self.session.borrow_mut().next_report(until)? {
                 Some(report) => self.take(&report, &mut outputs)?,
                 // Another sender of frames may leave a query at the end without an answer.
