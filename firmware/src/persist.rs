@@ -13,15 +13,22 @@ use amp::wire::message::{FlashError, FlashOperation};
 use core::convert::Infallible;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 
-/// Size of a slot for the Nomad's image, bytes.
-pub const SLOT_BYTES: u32 = amp::store::MAX_NOMAD as u32;
+/// Size of a slot for the image of a robot with this body, bytes.
+#[must_use]
+pub const fn slot_bytes<B: Body<16>>() -> u32 {
+    amp::store::max_bytes::<B>() as u32
+}
 
 /// Longest time to erase a sector of 128 KiB by words, milliseconds; half of it is typical
 /// (STM32F405 data sheet DS8626, flash memory programming).
 pub const ERASE_MS: u32 = 2_000;
 
-/// Longest time to write an image by words, milliseconds: 100 µs a word; 16 µs are typical.
-pub const WRITE_MS: u32 = (SLOT_BYTES / WORD as u32).div_ceil(10);
+/// Longest time to write an image of so many bytes by words, milliseconds: 100 µs a word; 16 µs are
+/// typical.
+#[must_use]
+pub const fn write_ms(image_bytes: u32) -> u32 {
+    (image_bytes / WORD as u32).div_ceil(10)
+}
 
 /// Size of a mark, bytes.
 const MARK_BYTES: u32 = 12;
@@ -135,7 +142,7 @@ impl<F: NorFlash> Store<F> {
     pub fn pause_ms(&mut self, task: FlashOperation) -> u32 {
         match task {
             FlashOperation::Load => 0,
-            FlashOperation::Save => WRITE_MS + self.erase_count(task) * ERASE_MS,
+            FlashOperation::Save => write_ms(self.slot_bytes) + self.erase_count(task) * ERASE_MS,
             FlashOperation::Erase => self.erase_count(task) * ERASE_MS,
         }
     }

@@ -8,6 +8,8 @@
 use crate::config::Config;
 #[cfg(feature = "store")]
 use crate::config::MAX_CONFIG;
+#[cfg(feature = "store")]
+use crate::controller::TransferError;
 use crate::controller::{self, Event, Outputs, State};
 use crate::places::Aim;
 use crate::units::Millis;
@@ -20,6 +22,18 @@ pub use mounted_sensors::MountedSensors;
 pub trait Body<const SENSORS: usize> {
     /// A body of which nothing is known yet. All zeros: a static one takes no flash.
     const NEW: Self;
+
+    /// Most bytes of [`to_bytes`](Self::to_bytes).
+    #[cfg(feature = "store")]
+    const MAX_BYTES: usize = 0;
+
+    /// Most bytes of its places; 0 if it has no memory of places.
+    #[cfg(feature = "store")]
+    const MAX_PLACES_BYTES: usize = 0;
+
+    /// Bytes of a place.
+    #[cfg(feature = "store")]
+    const PLACE_BYTES: usize = 1;
 
     /// Handles an event as [`controller::handle`] does.
     fn handle<const NEURONS: usize, const SAMPLES: usize>(
@@ -64,6 +78,30 @@ pub trait Body<const SENSORS: usize> {
     /// body of this kind.
     #[cfg(feature = "store")]
     fn replace(&mut self, bytes: &[u8]) -> bool;
+
+    /// Length of its places in bytes; see [`Places::read_saved`](crate::places::Places::read_saved)
+    /// for this and the next two.
+    #[cfg(feature = "store")]
+    fn places_len(&self) -> usize {
+        0
+    }
+
+    /// Copies its places from `offset` on into `out`, as far as both reach; returns the number of
+    /// bytes.
+    #[cfg(feature = "store")]
+    fn read_places(&self, _offset: usize, _out: &mut [u8]) -> usize {
+        0
+    }
+
+    /// Replaces a piece of the places of a robot that stands, whole places each, in order; one at
+    /// offset 0 forgets all places first. The robot may then be anywhere among them.
+    ///
+    /// # Errors
+    /// [`TransferError::OutOfBounds`], also without a memory of places; nothing has changed then.
+    #[cfg(feature = "store")]
+    fn write_places(&mut self, _offset: usize, _bytes: &[u8]) -> Result<(), TransferError> {
+        Err(TransferError::OutOfBounds)
+    }
 }
 
 /// A ring that keeps its bearing in the world: a [`RobotSpec`](crate::robot::RobotSpec) says all.

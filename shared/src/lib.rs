@@ -49,7 +49,7 @@
 //! | [`link`] | session, order and age of frames, and whether the host is alive |
 //! | [`parameters`] | configuration values by name: over the link, and the table of settings |
 //! | [`node`] | the controller behind a link: frames in, frames out |
-//! | [`store`] | the saved image: configuration, maps, memory and goals |
+//! | [`store`] | the saved image: configuration, body, maps, memory, places and goals |
 //!
 //! # Features
 //!

@@ -30,6 +30,8 @@ mod recall;
 mod recent;
 mod record;
 mod relocate;
+#[cfg(feature = "store")]
+mod saved;
 mod stage;
 mod sub_goal;
 mod wavefront;
@@ -264,6 +266,8 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     }
 
     /// Forgets all, and starts anew from here; in place.
+    // One copy in the program.
+    #[inline(never)]
     pub fn forget(&mut self) {
         self.graph.forget();
         (self.here, self.current) = (Displacement::ZERO, None);

@@ -1,13 +1,12 @@
-//! The saved image: configuration, body, maps, memory and goals as bytes that survive a loss of
-//! power.
-//! The chip stores it in flash, a desktop machine in a file; the bytes are the same.
+//! The saved image: configuration, body, maps, memory, places and goals as bytes that survive a
+//! loss of power. The chip stores it in flash, a desktop machine in a file; the bytes are the same.
 //!
 //! ```text
 //! image  = "AMPS" record…
 //! record = length:u8 body zeros          zeros up to a multiple of 4 bytes; numbers little-endian
 //! body   = 00 layout:u16 grammar:u32 generation:u32 sensors:u8 neurons:u8 samples:u16      the first
 //!        | 01 part:u8 offset:u16 bytes    a chunk of a part, as on the wire; maps without training are left out,
-//!        |                                and so is the body of a robot with a held ring
+//!        |                                and so are body and places of a robot with a held ring
 //!        | 02 seed:u64                    the state of the controller's random generator
 //!        | 03 name:[u8; 12] goal          a saved goal, in postcard's form; without a name the present one
 //!        | 04 crc:u32                     the last: CRC-32 of everything before it
@@ -17,7 +16,7 @@
 //! covers all others. Framing, first and last record never change, so every version of the program
 //! can check the images of all others; *layout* and *grammar* (the CRC-32 of the grammar from
 //! `Config` on) tell whether it can also read them. Not saved: motions and rings under way, a
-//! search for a place, counters, the link.
+//! search for a place, where the robot is among its places, counters, the link.
 //!
 //! Cost: writing takes a record's bytes of memory, reading and checking as much; an image for the
 //! Nomad has at most [`MAX_NOMAD`] bytes.
@@ -31,6 +30,7 @@ use crate::goal::{Goal, Name, NamedGoal, NamedGoals};
 mod read;
 mod write;
 
+pub(crate) use read::RecordFields;
 pub use read::{ImageError, ImageInfo, check};
 
 /// Records begin and end at multiples of so many bytes.
@@ -39,6 +39,25 @@ pub const WORD: usize = 4;
 /// Most bytes of an image with 16 transducers, 16 neurons per map and 100 samples; a test fills
 /// one.
 pub const MAX_NOMAD: usize = 8_256;
+
+/// Most bytes of an image of a robot with this body, otherwise as [`MAX_NOMAD`].
+#[must_use]
+pub const fn max_bytes<B: Body<16>>() -> usize {
+    let body = bytes_in_records(B::MAX_BYTES, MAX_CHUNK);
+    let places = bytes_in_records(B::MAX_PLACES_BYTES, places_piece::<16, B>());
+    MAX_NOMAD + body + places
+}
+
+/// Most bytes of the records of a part in pieces: each is 5 bytes longer than its piece, and ends
+/// with zeros.
+const fn bytes_in_records(part: usize, piece: usize) -> usize {
+    part.div_ceil(piece) * (piece + 5).next_multiple_of(WORD)
+}
+
+/// Bytes of places in one record: whole places.
+const fn places_piece<const SENSORS: usize, B: Body<SENSORS>>() -> usize {
+    MAX_CHUNK / B::PLACE_BYTES * B::PLACE_BYTES
+}
 
 /// How an image begins.
 const MAGIC: [u8; WORD] = *b"AMPS";
@@ -91,6 +110,9 @@ mod whole {
     pub(super) const CONFIG: u8 = 0;
     pub(super) const BODY: u8 = 5;
 }
+
+/// Number of the places.
+const PLACES: u8 = 6;
 
 /// The other parts in their order, by number from 1 on.
 const PARTS: [StatePart; 4] = [

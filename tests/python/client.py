@@ -14,7 +14,7 @@ import zlib
 
 # Numbers of the grammar.
 PROTOCOL, SENSORS, NEURONS = 2, 16, 16
-SCHEMA = 0xfa70efb5
+SCHEMA = 0xe129e7ff
 
 HELLO, SCAN, ODOMETRY, COMMAND, COUNTERS = 0, 2, 3, 4, 7
 GOAL, EXPLORE, LEARN, SEEK, STOP, FORGET = 0, 1, 2, 3, 4, 6

@@ -233,6 +233,7 @@ impl<B: Body<16>> NodeTwin<B> {
             TransferPart::Actions,
             TransferPart::Memory,
             TransferPart::Body,
+            TransferPart::Places,
         ] {
             let mut offset = 0;
             loop {

@@ -1,10 +1,13 @@
 //! A memory of places on the chip: the firmware in emulated chips, which thinks in slices between
 //! events, leads a robot as the crate on this machine does, to the byte.
 
+use amp::config::MAX_CONFIG;
 use amp::goal::Name;
 use amp::places::Aim;
 use amp::units::Displacement;
-use amp::wire::message::{GoalSpec, RobotCommand};
+use amp::wire::message::{
+    Clock, DeviceMessage, FlashOperation, GoalSpec, HostMessage, Report, RobotCommand, TransferPart,
+};
 use arena::robot_model::RobotModel;
 use arena::sonar::SonarModel;
 use arena::world::World;
@@ -12,7 +15,7 @@ use firmware::AnyBodyWithPlaces;
 use remote::link::{Machine, build_image};
 use sim::episode::Body;
 use sim::robot::{AnyRobot, Ranges};
-use tests::chip::EmulatedChip;
+use tests::chip::{EmulatedChip, SESSION};
 use tests::host_sim;
 use tests::twin::NodeTwin;
 
@@ -57,6 +60,8 @@ fn episode(machine: &Machine) -> u32 {
     let off_m = body.pose().position.distance(world.start().position);
     assert!(off_m < 0.3, "{off_m} m from home");
     twin.command(RobotCommand::Stop);
+    let known = twin.compare_knowledge();
+    assert!(known > 56 * places, "{known} bytes");
     twin.command(RobotCommand::SetDown);
     twin.seek(GoalSpec::Avoid);
     twin.decide(&mut body, 2);
@@ -81,6 +86,75 @@ fn episode(machine: &Machine) -> u32 {
 fn a_pioneer_led_by_its_places_is_the_same_to_the_byte() {
     let peak = episode(&Machine::OLIMEX_H405_PLACES);
     assert!((200..=4_608).contains(&peak), "{peak} bytes of stack");
+}
+
+/// A part of what the chip knows.
+fn read(chip: &mut EmulatedChip, part: TransferPart) -> Vec<u8> {
+    let mut whole = Vec::new();
+    loop {
+        let offset = whole.len() as u16;
+        let said = chip.ask(&HostMessage::Read { part, offset });
+        match said.first().map(|report| &report.message) {
+            Some(DeviceMessage::Chunk { total, bytes, .. }) => {
+                whole.extend_from_slice(bytes);
+                if whole.len() >= usize::from(*total) {
+                    return whole;
+                }
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+/// Full of places, it saves them in its flash, is reset and knows them again.
+#[test]
+fn places_are_known_after_a_reset() {
+    let machine = &Machine::OLIMEX_H405_PLACES;
+    let image = build_image(machine).unwrap_or_else(|error| panic!("{error}"));
+    let mut chip = EmulatedChip::start_on(machine, &image);
+    chip.open(SESSION, Clock::Device);
+    let mut write = |part, offset: usize, bytes: &[u8], last| {
+        let said = chip.ask(&HostMessage::Write {
+            part,
+            offset: offset as u16,
+            bytes: bytes.iter().copied().collect(),
+            last,
+        });
+        let is_done = |report: &Report<16>| matches!(report.message, DeviceMessage::Done { .. });
+        assert!(said.iter().all(is_done), "{said:?}");
+    };
+    let model = RobotModel::builtin("p3dx").expect("built in");
+    let robot = AnyRobot::new(model, Ranges::Own, true).expect("16 sensors");
+    let mut buffer = [0; MAX_CONFIG];
+    let body = robot.body().to_bytes(&mut buffer).to_vec();
+    for (index, piece) in body.chunks(160).enumerate() {
+        write(TransferPart::Body, 160 * index, piece, false);
+    }
+    write(TransferPart::Body, body.len(), &[], true);
+    // A head and 256 places, of 56 bytes each.
+    let mut places: Vec<u8> = (0..56 * 257).map(|i| (i % 251) as u8).collect();
+    // Of the head 35 bytes count; the robot is at its start.
+    places[35..56].fill(0);
+    for (index, piece) in places.chunks(112).enumerate() {
+        write(TransferPart::Places, 112 * index, piece, false);
+    }
+    assert!(read(&mut chip, TransferPart::Places) == places);
+    let said = chip.ask(&HostMessage::Flash(FlashOperation::Save));
+    println!("{said:?}");
+    let busy_ms = said.iter().find_map(|report| match report.message {
+        DeviceMessage::Busy { ms } => Some(ms),
+        _ => None,
+    });
+    // 24 240 bytes at 100 us a word.
+    assert_eq!(busy_ms, Some(606));
+    chip.raw(b"\0!panic\0");
+    chip.wait(|header, report| {
+        let is_start = header.session == 0 && matches!(report.message, DeviceMessage::Hello(_));
+        is_start.then_some(())
+    });
+    chip.open(SESSION + 1, Clock::Device);
+    assert!(read(&mut chip, TransferPart::Places) == places);
+    assert!(read(&mut chip, TransferPart::Body) == body);
 }
 
 /// Home, and away again: the program drives the emulated chip as it drives its own controller.

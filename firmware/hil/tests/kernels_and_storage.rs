@@ -24,7 +24,7 @@ mod tests {
     use core::cell::RefCell;
     use cortex_m::interrupt::{Mutex, free};
     use cortex_m4::KERNELS;
-    use firmware::persist::{SLOT_BYTES, Store};
+    use firmware::persist::{Store, slot_bytes};
     use stm32f4xx_hal::pac;
     use stm32f4xx_hal::rcc::{self, RccExt};
     use stm32f405::chip::SupplyMonitor;
@@ -161,7 +161,7 @@ mod tests {
         let supply = SupplyMonitor::watch(device.PWR, &mut clocks);
         assert!(!supply.is_low(), "a saved image would not last");
         let mut kept = StoreFlash::new(device.FLASH);
-        let mut store = Store::mount(&mut kept, SLOT_BYTES);
+        let mut store = Store::mount(&mut kept, slot_bytes::<HeldRing>());
         let had_image = before.load(&mut store).is_ok();
         assert_eq!(store.erase(), Ok(()));
         assert_eq!(loaded.load(&mut store), Err(FlashError::Empty));
@@ -169,7 +169,7 @@ mod tests {
             saved.fill(number, wanted);
             assert_eq!(store.save(&saved.contents()), Ok(()));
             // As after a restart.
-            store = Store::mount(&mut kept, SLOT_BYTES);
+            store = Store::mount(&mut kept, slot_bytes::<HeldRing>());
             assert_eq!(store.generation(), u32::from(number));
             assert_eq!(loaded.load(&mut store), Ok(()));
             let length = saved.image(wanted);

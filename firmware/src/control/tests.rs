@@ -25,14 +25,14 @@ fn leak<T>(value: T) -> &'static mut T {
     Box::leak(Box::new(value))
 }
 
-type Sectors = SimFlash<{ 12 + persist::SLOT_BYTES as usize }>;
+type Sectors = SimFlash<{ 12 + 8_256 }>;
 
 fn bench() -> ControlBench {
     bench_with_flash(Sectors::new(1))
 }
 
 fn bench_with_flash(flash: Sectors) -> ControlBench {
-    bench_with_store(Some(Store::mount(flash, persist::SLOT_BYTES)))
+    bench_with_store(Some(Store::mount(flash, 8_256)))
 }
 
 fn bench_with_store<F: NorFlash>(store: Option<Store<F>>) -> ControlBench<F> {
@@ -235,9 +235,7 @@ fn a_saved_image_is_loaded_at_the_next_start() {
     assert_eq!(
         tail,
         [
-            DeviceMessage::Busy {
-                ms: persist::WRITE_MS
-            },
+            DeviceMessage::Busy { ms: 207 },
             DeviceMessage::Done { seq: 3 },
             DeviceMessage::Mode(ModeReport::Idle),
             DeviceMessage::Done { seq: 4 },
@@ -286,7 +284,7 @@ fn a_pause_waits_for_its_announcement_and_for_the_watchdog() {
         assert!(!bench.control.run(Millis::from_ms(3)));
         assert!(bench.control.needs_long_timeout());
     }
-    let pause_ms = persist::WRITE_MS + persist::ERASE_MS;
+    let pause_ms = 207 + persist::ERASE_MS;
     let reports = bench.take_reports();
     assert_eq!(reports.last(), Some(&DeviceMessage::Busy { ms: pause_ms }));
     bench.control.set_has_long_timeout(false);

@@ -4,7 +4,7 @@ use crate::error::EpisodeError;
 use crate::pilot::{AgedEcho, InspectableController, LocalController, Pilot, SimState};
 use crate::robot::{AnyRobot, MAX_BEAMS, ToldRobot};
 use crate::senses::{Readings, SenseGoal};
-use crate::turret_pilot::TurretController;
+use crate::turret_pilot::{SimBody, TurretController};
 use amp::config::Config;
 use amp::controller::{Event, Outputs};
 use amp::fixed::Mask;
@@ -82,11 +82,15 @@ impl SimController {
         }
     }
 
-    /// Replaces configuration and knowledge of the Nomad's controller. That of another robot is
-    /// told its body only when it is new.
-    pub fn replace(&mut self, config: &Config<16>, state: &SimState) {
-        if let Self::Ring(controller) = self {
-            **controller = LocalController::with_state(config.clone(), state.clone());
+    /// Replaces configuration and knowledge by what was saved of a robot of the same kind; `body`
+    /// is `None` for the Nomad. Those of another kind change nothing.
+    pub fn replace(&mut self, config: &Config<16>, state: &SimState, body: Option<&SimBody>) {
+        match (self, body) {
+            (Self::Ring(controller), None) => {
+                **controller = LocalController::with_state(config.clone(), state.clone());
+            }
+            (Self::Turret(controller), Some(body)) => controller.replace(config, state, body),
+            (Self::Ring(_), Some(_)) | (Self::Turret(_), None) => {}
         }
     }
 }

@@ -62,6 +62,21 @@ impl TurretController {
         }
     }
 
+    /// Replaces configuration and knowledge, and what is known of the body and its places by what
+    /// was saved of them: the robot may be anywhere among those.
+    pub fn replace(&mut self, config: &Config<16>, state: &SimState, saved: &SimBody) {
+        *self.state = state.clone();
+        *self.body = saved.clone();
+        let _ = self.body.lead_to(None);
+        self.configure(config.clone());
+    }
+
+    /// The body, what it knows of itself, and its places.
+    #[must_use]
+    pub fn body_state(&self) -> &SimBody {
+        &self.body
+    }
+
     /// Takes what another controller has learned, and nothing of where that was.
     pub fn take_knowledge(&mut self, other: Self) {
         self.state = other.state;

@@ -259,18 +259,14 @@ fn check_robot(args: &RunArgs, setup: &Setup) -> Result<(), BadInput> {
             )));
         }
     }
-    let flags = [
-        ("--save", args.save.is_some()),
-        ("--log with --mind", args.log.is_some() && is_remote),
-    ];
-    match flags.iter().find(|(_, is_used)| *is_used) {
-        None => Ok(()),
-        Some((flag, _)) => Err(BadInput::new(format!(
-            "{flag}: only with the Nomad's own ring, not with the robot \"{}\" behind points \
+    if args.log.is_some() && is_remote {
+        return Err(BadInput::new(format!(
+            "--log with --mind: only with the Nomad's own ring, not with the robot \"{}\" behind points \
              (--robot, --places or --behavior home)",
             robot.model().name
-        ))),
+        )));
     }
+    Ok(())
 }
 
 /// Receives the metrics of each world, in order.
@@ -292,7 +288,7 @@ fn in_parallel(
                 drive(world, setup, &mut mind, args.log.as_deref())
             })?;
             if let Some(file) = &args.save {
-                Knowledge::of(mind.config(), mind.state()).save(file)?;
+                Knowledge::of_controller(&mind).save(file)?;
             }
             progress.inc(1);
             Ok::<_, BadInput>(report)

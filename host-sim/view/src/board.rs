@@ -260,7 +260,11 @@ impl WatchedBoard {
                     self.execute_command(&PageCommand::Seek)?;
                 }
             }
-            PageCommand::SaveMind => return Ok(knowledge_file(&self.config, &self.known)),
+            PageCommand::SaveMind => {
+                let mut knowledge = Knowledge::of(&self.config, &self.known);
+                knowledge.read_body(&mut self.session)?;
+                return Ok(knowledge_file(&knowledge));
+            }
             PageCommand::LoadMind { hex } => {
                 let bytes = unhex(hex).ok_or("the file is incomplete")?;
                 Knowledge::from_bytes(&bytes)?.upload(&mut self.session)?;

@@ -6,7 +6,6 @@ use amp::config::Config;
 use amp::shield::ShieldConfig;
 use files::hex::hex;
 use remote::link::Knowledge;
-use sim::pilot::SimState;
 
 /// The configuration after a command switched something; `whole` has everything switched on.
 ///
@@ -45,8 +44,7 @@ pub(super) fn switched(
 }
 
 /// Configuration and knowledge as a file.
-pub(super) fn knowledge_file(config: &Config<16>, known: &SimState) -> CommandOutcome {
-    let knowledge = Knowledge::of(config, known);
+pub(super) fn knowledge_file(knowledge: &Knowledge) -> CommandOutcome {
     CommandOutcome::File(PageFile {
         name: "robot.mind",
         text: None,

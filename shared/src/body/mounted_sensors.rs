@@ -5,11 +5,15 @@ use crate::calibration::{Babble, BabbleLimits, Geometry, Solver};
 use crate::config::Config;
 #[cfg(feature = "store")]
 use crate::config::MAX_CONFIG;
+#[cfg(feature = "store")]
+use crate::controller::TransferError;
 use crate::controller::{
     Command, CommandRefusal, Event, Mode, Outputs, Progress, State, handle, refused, stale,
 };
 use crate::fixed::Mask;
 use crate::places::Aim;
+#[cfg(feature = "store")]
+use crate::places::Places;
 use crate::turret::{self, BodySpec, VirtualTurret};
 use crate::units::Millis;
 
@@ -265,6 +269,12 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize, const RECORD
     Body<SECTORS> for MountedSensors<SECTORS, BEAMS, POINTS, RECORDS>
 {
     const NEW: Self = Self::new();
+    #[cfg(feature = "store")]
+    const MAX_BYTES: usize = MAX_CONFIG;
+    #[cfg(feature = "store")]
+    const MAX_PLACES_BYTES: usize = Places::<SECTORS, RECORDS>::MAX_BYTES;
+    #[cfg(feature = "store")]
+    const PLACE_BYTES: usize = Places::<SECTORS, RECORDS>::ITEM_BYTES;
 
     fn handle<const NEURONS: usize, const SAMPLES: usize>(
         &mut self,
@@ -366,6 +376,21 @@ impl<const SECTORS: usize, const BEAMS: usize, const POINTS: usize, const RECORD
             self.tell(body);
         }
         body.is_some()
+    }
+
+    #[cfg(feature = "store")]
+    fn places_len(&self) -> usize {
+        self.turret.places().saved_len()
+    }
+
+    #[cfg(feature = "store")]
+    fn read_places(&self, offset: usize, out: &mut [u8]) -> usize {
+        self.turret.places().read_saved(offset, out)
+    }
+
+    #[cfg(feature = "store")]
+    fn write_places(&mut self, offset: usize, bytes: &[u8]) -> Result<(), TransferError> {
+        self.turret.write_places(offset, bytes)
     }
 }
 

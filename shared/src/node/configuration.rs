@@ -23,8 +23,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<S
         self.goal = Goal::avoiding(&self.config);
     }
 
-    /// Replaces configuration, maps, memory and goals by those of a saved image; for a node that
-    /// stands still.
+    /// Replaces configuration, body, maps, memory, places and goals by those of a saved image; for
+    /// a node that stands still.
     ///
     /// # Errors
     /// [`ImageError`]; nothing has changed then, see [`ContentsMut::read`].

@@ -263,6 +263,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<S
         self.state.forget();
         self.goal = Goal::avoiding(&self.config);
         self.goals.clear();
+        // Without a memory of places there is none to be forgotten.
+        let _ = self.body.write_places(0, &[]);
         self.underway = None;
         Ok(())
     }

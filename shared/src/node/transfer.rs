@@ -1,4 +1,4 @@
-//! Transfer of configuration, maps and memory in pieces, and their checksums.
+//! Transfer of configuration, maps, memory, body and places in pieces, and their checksums.
 
 use super::{FrameSink, MAX_CONFIG, Node};
 use crate::body::Body;
@@ -22,15 +22,17 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<S
         now: Millis,
         out: &mut impl FrameSink,
     ) {
-        let mut bytes = Vec::<u8, MAX_CHUNK>::new();
+        let mut bytes = Vec::<u8, MAX_CHUNK>::from_array([0; MAX_CHUNK]);
         let start = usize::from(offset);
-        let total = match owner(part) {
-            Owner::Controller(part) => {
-                let mut buffer = [0; MAX_CHUNK];
-                let count = self.state.read_part(part, start, &mut buffer);
-                let _ = bytes.extend_from_slice(buffer.get(..count).unwrap_or(&[]));
-                self.state.part_len(part)
-            }
+        let (count, total) = match owner(part) {
+            Owner::Controller(part) => (
+                self.state.read_part(part, start, &mut bytes),
+                self.state.part_len(part),
+            ),
+            Owner::Body => (
+                self.body.read_places(start, &mut bytes),
+                self.body.places_len(),
+            ),
             Owner::Node(part) => {
                 let mut buffer = [0; MAX_CONFIG];
                 let whole = match part {
@@ -38,10 +40,13 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<S
                     StagedPart::Body => self.body.to_bytes(&mut buffer),
                 };
                 let rest = whole.get(start..).unwrap_or(&[]);
-                let _ = bytes.extend_from_slice(rest.get(..MAX_CHUNK).unwrap_or(rest));
-                whole.len()
+                for (place, byte) in bytes.iter_mut().zip(rest) {
+                    *place = *byte;
+                }
+                (rest.len(), whole.len())
             }
         };
+        bytes.truncate(count);
         let piece = DeviceMessage::Chunk {
             part,
             offset,
@@ -63,6 +68,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<S
         let part = match owner(part) {
             Owner::Controller(part) => {
                 let written = self.state.write_part(part, usize::from(offset), bytes);
+                return written.map_err(Refusal::Transfer);
+            }
+            Owner::Body if B::MAX_PLACES_BYTES == 0 => return Err(Refusal::NoPlaces),
+            Owner::Body => {
+                let written = self.body.write_places(usize::from(offset), bytes);
                 return written.map_err(Refusal::Transfer);
             }
             Owner::Node(part) => part,
@@ -129,6 +139,8 @@ pub(super) enum StagedPart {
 /// Who has a part.
 enum Owner {
     Controller(controller::StatePart),
+    /// It has the places.
+    Body,
     Node(StagedPart),
 }
 
@@ -140,5 +152,6 @@ const fn owner(part: TransferPart) -> Owner {
         TransferPart::Actions => Owner::Controller(controller::StatePart::Actions),
         TransferPart::Memory => Owner::Controller(controller::StatePart::Memory),
         TransferPart::Body => Owner::Node(StagedPart::Body),
+        TransferPart::Places => Owner::Body,
     }
 }

@@ -51,6 +51,25 @@ impl Compass {
         self.is_unknown = true;
     }
 
+    /// The walls as bytes: the weights of their directions, each times 2 to the power of the first.
+    #[cfg(feature = "store")]
+    pub(super) fn saved_walls(&self) -> (u8, [u8; PARTS]) {
+        let most = self.known.iter().copied().max().unwrap_or(0);
+        let shift = (u32::BITS - most.leading_zeros()).saturating_sub(u8::BITS);
+        (
+            shift as u8,
+            self.known.map(|weight| (weight >> shift) as u8),
+        )
+    }
+
+    /// Knows walls that were saved.
+    #[cfg(feature = "store")]
+    pub(super) fn restore_walls(&mut self, shift: u8, weights: [u8; PARTS]) {
+        // No weight has more bits.
+        let shift = u32::from(shift).min(MAX_WEIGHT.ilog2() - u8::BITS);
+        self.known = weights.map(|weight| u32::from(weight) << shift);
+    }
+
     /// Whether the heading is known, but for right angles.
     pub(super) const fn is_aligned(&self) -> bool {
         !self.is_unknown

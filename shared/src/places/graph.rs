@@ -82,6 +82,24 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
         limits.spacing_mm.max(self.least_mm)
     }
 
+    /// How far places are to stand apart; 0 as long as there is room.
+    #[cfg(feature = "store")]
+    pub(super) const fn least_mm(&self) -> u16 {
+        self.least_mm
+    }
+
+    /// Places of an image stood this far apart.
+    #[cfg(feature = "store")]
+    pub(super) const fn keep_apart(&mut self, least_mm: u16) {
+        self.least_mm = least_mm;
+    }
+
+    /// Adds a place of an image, as long as there is room.
+    #[cfg(feature = "store")]
+    pub(super) fn restore(&mut self, record: Record<SECTORS>) {
+        let _ = self.records.push(record);
+    }
+
     pub(super) fn is_full(&self) -> bool {
         self.records.is_full()
     }

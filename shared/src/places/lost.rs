@@ -145,8 +145,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     /// The robot was set down elsewhere; without a compass it may face anywhere. With enough places
     /// it finds out where among them it is; otherwise it begins anew.
     pub fn set_down(&mut self) {
-        let known = self.graph.records().len();
-        let known = self.lost.first_uncertain().map_or(known, usize::from);
+        let known = self.known_for_good().len();
         if known < MIN_PLACES {
             self.forget();
             self.lost = Lost {
@@ -284,6 +283,14 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     pub(super) fn forget_uncertain(&mut self) {
         self.graph.truncate(self.lost.first);
         self.current = None;
+    }
+
+    /// All places but those of which it does not know where they are.
+    pub(super) fn known_for_good(&self) -> &[Record<SECTORS>] {
+        match self.lost.first_uncertain() {
+            Some(_) => self.known_before(),
+            None => self.graph.records(),
+        }
     }
 
     pub(super) fn known_before(&self) -> &[Record<SECTORS>] {

@@ -3,7 +3,11 @@
 use super::NOWHERE;
 use super::graph::Merged;
 use super::ground::Ground;
+#[cfg(feature = "store")]
+use super::saved::{Item, item_of};
 use crate::memory::{self, SituationBytes};
+#[cfg(feature = "store")]
+use crate::store::RecordFields;
 use crate::units::{Bearing, Displacement};
 
 /// Directions in which free ways are noted, evenly spaced, counter-clockwise from the frame's x
@@ -16,6 +20,9 @@ const MOST_MM: u16 = 15 * UNIT_MM;
 pub(super) const END_MM: u16 = 600;
 /// Places that the robot went to from here: the oldest goes.
 const LINKS: usize = 6;
+/// Bytes of a place when it is saved, without the view.
+#[cfg(feature = "store")]
+pub(super) const BYTES_BESIDE_VIEW: usize = 4 + WAYS / 2 + 4 + 4 + 2 * LINKS;
 
 /// A place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,6 +53,38 @@ impl<const SECTORS: usize> Record<SECTORS> {
             view: *view,
             is_searched: false,
         }
+    }
+
+    /// As bytes.
+    #[cfg(feature = "store")]
+    pub(super) fn item(&self) -> Item {
+        item_of(&[
+            &self.at.dx_mm.to_le_bytes(),
+            &self.at.dy_mm.to_le_bytes(),
+            &self.free.0,
+            &self.open.to_le_bytes(),
+            &self.tried.to_le_bytes(),
+            self.links.map(u16::to_le_bytes).as_flattened(),
+            &self.view,
+        ])
+    }
+
+    /// Undoes [`item`](Self::item); `None` for too few bytes.
+    #[cfg(feature = "store")]
+    pub(super) fn from_item(mut fields: RecordFields<'_>) -> Option<Self> {
+        let at = Displacement {
+            dx_mm: i16::from_le_bytes(fields.take()?),
+            dy_mm: i16::from_le_bytes(fields.take()?),
+        };
+        let mut record = Self::new(at, &[memory::UNKNOWN; SECTORS]);
+        record.free = FreeWays(fields.take()?);
+        record.open = u32::from_le_bytes(fields.take()?);
+        record.tried = u32::from_le_bytes(fields.take()?);
+        for link in &mut record.links {
+            *link = u16::from_le_bytes(fields.take()?);
+        }
+        record.view = fields.take()?;
+        Some(record)
     }
 
     /// The robot is here again: adds what was not perceived yet. The rest stays as it was: by it

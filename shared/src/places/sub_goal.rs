@@ -255,6 +255,8 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         }
     }
 
+    // One copy in the program.
+    #[inline(never)]
     fn is_blocked_from_here(&self, to: u16) -> bool {
         let from = self.current.filter(|from| *from != to);
         from.is_some_and(|from| self.graph.is_blocked(from, to))

@@ -13,6 +13,8 @@ mod lost;
 mod narrow;
 mod reading;
 mod relocate;
+#[cfg(feature = "store")]
+mod saved;
 mod spacing;
 mod turned;
 

@@ -120,10 +120,11 @@ impl<'a> ImageRecord<'a> {
 }
 
 /// What is left of a record.
-struct RecordFields<'a>(&'a [u8]);
+pub(crate) struct RecordFields<'a>(pub(crate) &'a [u8]);
 
 impl RecordFields<'_> {
-    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+    /// Its next bytes; `None` if there are fewer.
+    pub(crate) fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
         let (first, rest) = self.0.split_first_chunk()?;
         self.0 = rest;
         Some(*first)
@@ -245,6 +246,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<S
                     part: whole::CONFIG | whole::BODY,
                     ..
                 } => {}
+                // A body without a memory of places, or with a smaller one, leaves the rest out.
+                ImageRecord::Chunk {
+                    part: PLACES,
+                    offset,
+                    bytes,
+                } => {
+                    let _ = self.body.write_places(offset.into(), bytes);
+                }
                 ImageRecord::Chunk {
                     part,
                     offset,

@@ -7,6 +7,8 @@ use std::boxed::Box;
 use std::string::String;
 use std::vec::Vec;
 
+mod body;
+
 /// A mind with these many samples at most.
 #[derive(Debug, Clone, PartialEq)]
 struct Mind<const SAMPLES: usize> {

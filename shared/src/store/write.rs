@@ -33,9 +33,10 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<S
         for (index, bytes) in body.chunks(MAX_CHUNK).enumerate() {
             put(&piece(whole::BODY, index.wrapping_mul(MAX_CHUNK), bytes))?;
         }
-        for (number, part) in (1..).zip(PARTS) {
+        let parts = (1..).zip(PARTS.map(Some)).chain([(PLACES, None)]);
+        for part in parts {
             let mut offset = 0_usize;
-            while let Some((record, count)) = self.piece(number, part, offset) {
+            while let Some((record, count)) = self.piece(part, offset) {
                 put(&record)?;
                 offset = offset.saturating_add(count);
             }
@@ -63,17 +64,27 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<S
         Draft::of(kind::HEAD, &fields)
     }
 
-    /// The piece of a part of the state from `offset` on, and its bytes, if it has any.
-    fn piece(&self, number: u8, part: StatePart, offset: usize) -> Option<(Draft, usize)> {
+    /// The piece of a part from `offset` on, and its bytes, if it has any; `None` = of the places.
+    fn piece(
+        &self,
+        (number, part): (u8, Option<StatePart>),
+        offset: usize,
+    ) -> Option<(Draft, usize)> {
         let sample = State::<SENSORS, NEURONS, SAMPLES>::SAMPLE_BYTES;
-        let most = match part {
-            // Pieces of the memory end where samples do.
-            StatePart::Memory => MAX_CHUNK.checked_div(sample)?.wrapping_mul(sample),
-            _ if !self.state.has_learned() => return None,
-            _ => MAX_CHUNK,
-        };
         let mut buffer = [0; MAX_CHUNK];
-        let count = self.state.read_part(part, offset, buffer.get_mut(..most)?);
+        let count = match part {
+            None => {
+                let most = places_piece::<SENSORS, B>();
+                self.body.read_places(offset, buffer.get_mut(..most)?)
+            }
+            // Pieces of the memory end where samples do.
+            Some(part @ StatePart::Memory) => {
+                let most = MAX_CHUNK.checked_div(sample)?.wrapping_mul(sample);
+                self.state.read_part(part, offset, buffer.get_mut(..most)?)
+            }
+            Some(_) if !self.state.has_learned() => 0,
+            Some(part) => self.state.read_part(part, offset, &mut buffer),
+        };
         let bytes = buffer.get(..count).filter(|bytes| !bytes.is_empty())?;
         Some((piece(number, offset, bytes), count))
     }

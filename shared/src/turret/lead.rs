@@ -2,6 +2,8 @@
 //! event may wait: it is done in slices, and the decision comes with the last one.
 
 use super::{FORGET_MS, RingController, Robot, VirtualTurret};
+#[cfg(feature = "store")]
+use crate::controller::TransferError;
 use crate::controller::{Command, Event, Outputs};
 use crate::memory::{self, SituationBytes};
 use crate::places::{Aim, PlaceLimits, Places, Purpose, SLICE};
@@ -42,6 +44,19 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
     /// minutes without one.
     pub const fn set_down(&mut self) {
         self.heard_at = self.heard_at.minus_ms(FORGET_MS);
+    }
+
+    /// As [`Places::write_saved`]; the robot may be anywhere then.
+    ///
+    /// # Errors
+    /// As there.
+    #[cfg(feature = "store")]
+    pub fn write_places(&mut self, offset: usize, bytes: &[u8]) -> Result<(), TransferError> {
+        self.places.write_saved(offset, bytes)?;
+        if offset == 0 && !bytes.is_empty() {
+            self.set_down();
+        }
+        Ok(())
     }
 
     /// From now on a robot that pursues a goal is led there; `None`: it finds its way by the goal

@@ -37,6 +37,8 @@ pub enum TransferPart {
     Memory,
     /// The body, as the configuration; empty if the program is for a held ring only.
     Body,
+    /// The places.
+    Places,
 }
 
 /// Where echoes come from.

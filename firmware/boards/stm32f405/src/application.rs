@@ -36,7 +36,7 @@ macro_rules! application {
             use firmware::BUILD;
             use firmware::control::{Control, RobotNode};
             use firmware::crash::{ResetFlags, reset_cause, reset_name};
-            use firmware::persist::{SLOT_BYTES, Store};
+            use firmware::persist::{Store, slot_bytes};
             use firmware::sonar_ring::{
                 ChannelDriver, EchoCapture, FiringOrder, RingPins, RingReading, SonarRing, SpeedOfSound, Timing,
             };
@@ -97,7 +97,7 @@ macro_rules! application {
                 let tx = TxQueue::new(to_send_in);
                 cx.local.node.use_kernels(&cortex_m4::KERNELS);
                 let (readings_in, readings_out) = cx.local.readings.split();
-                let store = Store::mount(devices.flash, SLOT_BYTES);
+                let store = Store::mount(devices.flash, slot_bytes::<RobotBody>());
                 let control = Control::new(cx.local.node, received_out, tx, errors, Some(store));
                 let mut control = control.with_ring(readings_out);
                 // A sector of flash may be erased.

@@ -173,15 +173,16 @@ mod device {
 
 #[cfg(feature = "qemu")]
 mod device {
+    use crate::RobotBody;
     use core::convert::Infallible;
     use core::mem::MaybeUninit;
     use core::ptr::addr_of_mut;
     use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
-    use firmware::persist::SLOT_BYTES;
+    use firmware::persist::slot_bytes;
     use stm32f4xx_hal::pac;
 
     /// Size of a sector, bytes: a mark and one image.
-    const SECTOR: usize = (SLOT_BYTES as usize + 12).next_multiple_of(64);
+    const SECTOR: usize = (slot_bytes::<RobotBody>() as usize + 12).next_multiple_of(64);
 
     /// Not initialized by start-up code.
     #[unsafe(link_section = ".uninit.flash")]

@@ -203,11 +203,30 @@ impl AnyController {
         controller.map_or_else(Vec::new, |controller| controller.senses().remembered(goal))
     }
 
-    /// Replaces configuration and knowledge; only in this process, of the Nomad.
+    /// Replaces configuration and knowledge by those of a robot of the same kind; only in this
+    /// process.
     pub fn replace(&mut self, knowledge: &Knowledge) {
         if let Self::Host(controller, _) = self {
-            controller.replace(knowledge.config(), knowledge.state());
+            let (config, state) = (knowledge.config(), knowledge.state());
+            controller.replace(config, state, knowledge.body());
         }
+    }
+
+    /// All that it knows but its goals, to be saved; maps and memory of a remote controller come
+    /// from the cache.
+    ///
+    /// # Errors
+    /// When it is remote and cannot be reached.
+    pub fn saved(&mut self) -> Result<Knowledge, EpisodeError> {
+        if let Self::Host(controller, _) = self {
+            return Ok(Knowledge::of_controller(controller));
+        }
+        let state = self.cached_state()?.clone();
+        let mut knowledge = Knowledge::of(self.config(), &state);
+        if let Self::Link(remote) = self {
+            remote.controller.read_body(&mut knowledge)?;
+        }
+        Ok(knowledge)
     }
 }
 

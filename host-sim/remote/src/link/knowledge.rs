@@ -1,19 +1,24 @@
-//! Configuration, knowledge and goals of a controller as one file: the image of [`amp::store`].
+//! Configuration, knowledge, body, places and goals of a controller as one file: the image of
+//! [`amp::store`].
 
 use super::{Fingerprint, LinkError, Session, next_number};
-use amp::body::HeldRing;
+use amp::body::Body as _;
 use amp::config::Config;
 use amp::config::MAX_CONFIG;
 use amp::controller::StatePart;
 use amp::goal::{Goal, Name, NamedGoal, NamedGoals};
 use amp::som::Grid;
 use amp::store::{Contents, ContentsMut};
+use amp::turret::BodySpec;
 use amp::wire::message::{
-    Clock, DeviceMessage, GoalSpec, ModeReport, Refusal, RobotCommand, TransferPart,
+    Clock, DeviceMessage, GoalSpec, MAX_CHUNK, ModeReport, Refusal, RobotCommand, TransferPart,
 };
 use amp::wire::{CRC, HostMessage};
 use files::error::BadInput;
 use sim::pilot::SimState;
+use sim::robot::AnyRobot;
+use sim::sim_controller::SimController;
+use sim::turret_pilot::SimBody;
 use std::path::Path;
 
 /// The parts of the state, in the order of reading.
@@ -24,17 +29,22 @@ const PARTS: [(TransferPart, StatePart); 4] = [
     (TransferPart::Memory, StatePart::Memory),
 ];
 
-/// Maximum file size, bytes; an image has at most 117 KiB.
+/// Maximum file size, bytes; an image has at most 132 KiB.
 const MAX_FILE_BYTES: u64 = 1 << 20;
 
 /// Generation of an image in a file.
 const GENERATION: u32 = 1;
 
-/// Configuration, maps, memory and goals of a controller.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// Bytes of places in one piece: whole places.
+pub(super) const PLACES_PIECE: usize = MAX_CHUNK / SimBody::PLACE_BYTES * SimBody::PLACE_BYTES;
+
+/// Configuration, maps, memory, body, places and goals of a controller.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Knowledge {
     config: Config<16>,
     state: Box<SimState>,
+    /// The body and its places; nothing is known of that of a ring on a held turret.
+    body: Box<SimBody>,
     goal: Goal<16>,
     named_goals: NamedGoals<16>,
 }
@@ -46,8 +56,19 @@ impl Knowledge {
         Self::new(config.clone(), state.clone())
     }
 
+    /// That of a controller in this process, with its body and its places.
+    #[must_use]
+    pub fn of_controller(controller: &SimController) -> Self {
+        let mut knowledge = Self::of(controller.config(), controller.state());
+        if let Some(turret) = controller.as_turret() {
+            knowledge.body = Box::new(turret.body_state().clone());
+        }
+        knowledge
+    }
+
     fn new(config: Config<16>, state: SimState) -> Self {
         Self {
+            body: Box::default(),
             goal: Goal::avoiding(&config),
             named_goals: NamedGoals::new(),
             state: Box::new(state),
@@ -62,6 +83,7 @@ impl Knowledge {
     pub fn download(session: &mut Session) -> Result<Self, LinkError> {
         require_idle(session)?;
         let mut knowledge = Self::read(session)?;
+        knowledge.read_body(session)?;
         for report in session.query(&HostMessage::ListGoals)? {
             let DeviceMessage::Goal { name, goal } = report.message else {
                 continue;
@@ -76,7 +98,23 @@ impl Knowledge {
         Ok(knowledge)
     }
 
-    /// Reads everything but the goals, in any mode.
+    /// Reads body and places as well, in any mode.
+    ///
+    /// # Errors
+    /// [`LinkError`].
+    pub fn read_body(&mut self, session: &mut Session) -> Result<(), LinkError> {
+        if !self.body.replace(&session.read_part(TransferPart::Body)?) {
+            return Err(LinkError::Mismatch { what: "body" });
+        }
+        let places = session.read_part(TransferPart::Places)?;
+        for (index, piece) in places.chunks(PLACES_PIECE).enumerate() {
+            let written = self.body.write_places(index * PLACES_PIECE, piece);
+            written.map_err(|_| LinkError::Mismatch { what: "places" })?;
+        }
+        Ok(())
+    }
+
+    /// Reads everything but body, places and goals, in any mode.
     pub fn read(session: &mut Session) -> Result<Self, LinkError> {
         let config = session.read_part(TransferPart::Config)?;
         let config = Config::from_bytes(&config).ok_or(LinkError::Refused(Refusal::Config))?;
@@ -103,12 +141,16 @@ impl Knowledge {
         Ok(Self::new(config, state))
     }
 
-    /// Writes everything to a controller at rest, and checks it in a new session.
+    /// Writes everything to a controller at rest, and checks it in a new session. One without a
+    /// memory of places gets none.
     ///
     /// # Errors
     /// [`LinkError`]; a refusal while the robot explores, learns or seeks.
     pub fn upload(&self, session: &mut Session) -> Result<(), LinkError> {
         require_idle(session)?;
+        // It comes first: what is refused changes nothing.
+        let mut buffer = [0; MAX_CONFIG];
+        session.write_part(TransferPart::Body, self.body.to_bytes(&mut buffer))?;
         session.command(session.elapsed_ms(), RobotCommand::Forget)?;
         // The configuration comes last: after a broken transfer the maps still match the old one.
         for (part, ours) in PARTS.into_iter().rev() {
@@ -117,6 +159,13 @@ impl Knowledge {
             }
         }
         session.write_part(TransferPart::Config, &Self::encode_config(&self.config)?)?;
+        let places = self.places();
+        if !places.is_empty() {
+            match session.write_part(TransferPart::Places, &places) {
+                Ok(()) | Err(LinkError::Refused(Refusal::NoPlaces)) => {}
+                Err(error) => return Err(error),
+            }
+        }
         for NamedGoal { name, goal } in self.named_goals.as_slice() {
             let goal = RobotCommand::Goal(GoalSpec::Components(*goal));
             session.command(session.elapsed_ms(), goal)?;
@@ -145,6 +194,12 @@ impl Knowledge {
     fn part(&self, part: StatePart) -> Vec<u8> {
         let mut bytes = vec![0; self.state.part_len(part)];
         self.state.read_part(part, 0, &mut bytes);
+        bytes
+    }
+
+    fn places(&self) -> Vec<u8> {
+        let mut bytes = vec![0; self.body.places_len()];
+        self.body.read_places(0, &mut bytes);
         bytes
     }
 
@@ -178,6 +233,38 @@ impl Knowledge {
         &self.state
     }
 
+    /// The body and its places; `None` for a ring on a held turret.
+    #[must_use]
+    pub fn body(&self) -> Option<&SimBody> {
+        (*self.body.known() != BodySpec::NONE).then_some(&*self.body)
+    }
+
+    /// Whether a robot can use it (`None` = the Nomad).
+    ///
+    /// # Errors
+    /// A clause that says whose it is.
+    pub fn check_robot(&self, robot: Option<&AnyRobot>) -> Result<(), &'static str> {
+        match (self.body(), robot) {
+            (None, None) => Ok(()),
+            (None, Some(_)) => Err("it is of the Nomad's own ring"),
+            (Some(_), None) => Err("it is of a robot behind points (--robot, --places)"),
+            (Some(body), Some(robot)) => {
+                let told = robot.body();
+                // It may have found out where its sensors look, and what its base does.
+                let found = BodySpec {
+                    mounts: told.mounts,
+                    enabled: told.enabled,
+                    actuation: told.actuation,
+                    ..body.known().clone()
+                };
+                let is_its = found == told;
+                is_its
+                    .then_some(())
+                    .ok_or("it is of another robot, or its guard (--shield) was another one")
+            }
+        }
+    }
+
     /// Maps and memory, without a copy.
     #[must_use]
     pub(super) fn into_state(self) -> Box<SimState> {
@@ -194,7 +281,7 @@ impl Knowledge {
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let contents = Contents {
-            body: &HeldRing,
+            body: &*self.body,
             config: &self.config,
             state: &self.state,
             goal: &self.goal,
@@ -219,7 +306,7 @@ impl Knowledge {
         let fresh = SimState::new(Grid::rectangle(4, 4));
         let mut knowledge = Self::new(Config::recommended(), fresh);
         let mut contents = ContentsMut {
-            body: &mut HeldRing,
+            body: &mut *knowledge.body,
             config: &mut knowledge.config,
             state: &mut knowledge.state,
             goal: &mut knowledge.goal,

@@ -1,5 +1,6 @@
-//! Requests for parts of a controller: configuration, maps, memory, parameters and counters.
+//! Requests for the parts that a controller knows, its parameters and its counters.
 
+use super::knowledge::PLACES_PIECE;
 use super::{LinkError, Session};
 use amp::parameters::{Parameter, ParameterSpec};
 use amp::wire::HostMessage;
@@ -46,10 +47,14 @@ impl Session {
     /// # Errors
     /// [`LinkError`].
     pub fn write_part(&mut self, part: TransferPart, bytes: &[u8]) -> Result<(), LinkError> {
+        let most = match part {
+            TransferPart::Places => PLACES_PIECE,
+            _ => MAX_CHUNK,
+        };
         let mut offset = 0_usize;
         loop {
             let rest = bytes.get(offset..).unwrap_or(&[]);
-            let piece = rest.get(..MAX_CHUNK).unwrap_or(rest);
+            let piece = rest.get(..most).unwrap_or(rest);
             let end = offset + piece.len();
             let last = end >= bytes.len();
             let answer = self.request(&HostMessage::Write {

@@ -128,6 +128,15 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
         self.found.differences(&self.fresh)
     }
 
+    /// Adds body and places to what is known of it.
+    ///
+    /// # Errors
+    /// When it cannot be reached.
+    pub fn read_body(&mut self, knowledge: &mut Knowledge) -> Result<(), EpisodeError> {
+        let read = knowledge.read_body(self.session.borrow_mut());
+        read.map_err(EpisodeError::from)
+    }
+
     fn dispatch(&mut self, at: Millis, event: Event<16>) -> Result<Outputs<16>, LinkError> {
         let at_ms = at.as_ms();
         match event {

@@ -110,7 +110,8 @@ impl Replayer {
     fn know(&mut self, hex: &str) -> Result<(), String> {
         let bytes = unhex(hex).ok_or("knowledge: not in hexadecimal")?;
         let knowledge = Knowledge::from_bytes(&bytes).map_err(|why| format!("knowledge: {why}"))?;
-        (self.controller).replace(knowledge.config(), knowledge.state());
+        let (config, state) = (knowledge.config(), knowledge.state());
+        self.controller.replace(config, state, knowledge.body());
         Ok(())
     }
 

@@ -134,13 +134,13 @@ enum LinkVerb {
     Goals,
     /// Print the controller's counters since its start
     Counters,
-    /// Download configuration, maps, memory and goals to a file
+    /// Download configuration, body, maps, memory, places and goals to a file
     #[command(alias = "pull")]
     Download {
         /// The file
         file: PathBuf,
     },
-    /// Upload configuration, maps, memory and goals from a file
+    /// Upload configuration, body, maps, memory, places and goals from a file
     #[command(alias = "push")]
     Upload {
         /// A file written by download or `host-sim run --save`
@@ -151,7 +151,7 @@ enum LinkVerb {
 /// Action on the flash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum FlashAction {
-    /// Save configuration, maps, memory and goals for the next start
+    /// Save configuration, body, maps, memory, places and goals for the next start
     Save,
     /// Replace them by the last saved state, as the next start does
     #[value(alias = "recall")]

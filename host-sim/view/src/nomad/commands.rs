@@ -9,6 +9,7 @@ use amp::controller::Command;
 use amp::scan::Situation;
 use amp::units::Range;
 use nomad200::bridge::BridgeError;
+use remote::link::Knowledge;
 use sim::episode::Seeds;
 
 impl WatchedNomad {
@@ -30,7 +31,7 @@ impl WatchedNomad {
             PageCommand::SaveMind => {
                 let known = self.controller.known.as_deref();
                 let known = known.ok_or("the controller has not answered yet")?;
-                return Ok(knowledge_file(&self.config, known));
+                return Ok(knowledge_file(&Knowledge::of(&self.config, known)));
             }
             PageCommand::Shield { .. } | PageCommand::Online { .. } | PageCommand::Sonar { .. } => {
                 self.configure(command)?;

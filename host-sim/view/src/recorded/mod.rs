@@ -15,6 +15,7 @@ use super::snapshot::{PlacesDto, SceneDto, Snapshot, SnapshotPart};
 use super::source::{Capabilities, CommandRefused, StepOutcome, ViewSource};
 use files::error::BadInput;
 use playback::Playback;
+use remote::link::Knowledge;
 use remote::log::LogFile;
 use std::sync::Arc;
 use timeline::{Timeline, TimelineItem};
@@ -143,7 +144,7 @@ impl ViewSource for WatchedLog {
     fn abilities(&self) -> Capabilities {
         Capabilities {
             pace: true,
-            save: self.playback.setup.robot.is_none(),
+            save: true,
             jump: true,
             places: self.playback.seen_places().is_some(),
             ..Capabilities::default()
@@ -175,7 +176,7 @@ impl ViewSource for WatchedLog {
         match command {
             PageCommand::Jump { to } => self.jump(*to),
             PageCommand::SaveMind => {
-                return Ok(knowledge_file(controller.config(), controller.state()));
+                return Ok(knowledge_file(&Knowledge::of_controller(controller)));
             }
             // Stop is allowed for all, so it is no error here.
             PageCommand::Stop => {}

@@ -223,6 +223,10 @@ impl Playback {
             EventKind::Explore { .. } if self.explores() => {
                 self.moves_frame = Some((FrameChange::Begins, self.heading()));
             }
+            EventKind::Know(_) => {
+                self.frames.begin(self.pose, self.heading());
+                self.moves_frame = Some((FrameChange::Carried, self.heading()));
+            }
             EventKind::LeadTo(aim) => self.aim = *aim,
             EventKind::SeekSense(goal) => {
                 self.sought = goal.as_ref().and_then(|goal| goal.parse().ok());

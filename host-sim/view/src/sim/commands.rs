@@ -2,7 +2,7 @@
 
 use super::{Simulator, SimulatorActivity, SimulatorStart};
 use crate::command::{CommandOutcome, PageCommand, Reset};
-use crate::configure::{knowledge_file, switched};
+use crate::configure::switched;
 use crate::goal::ActiveGoal;
 use crate::source::CommandRefused;
 use amp::config::Config;
@@ -13,8 +13,7 @@ use amp::units::Range;
 use arena::loaders::{WorldSource, parse_worlds};
 use arena::world::{Point, Shape, World};
 use files::error::BadInput;
-use files::hex::unhex;
-use remote::link::{AnyController, Knowledge};
+use remote::link::AnyController;
 use remote::log::LoggedController;
 use sim::behavior::Behavior;
 use sim::episode::{CARRY_TIME_S, Seeds, nest_known};
@@ -232,27 +231,6 @@ impl Simulator {
         self.body.look().map(value)
     }
 
-    fn save_mind(&mut self) -> Result<CommandOutcome, CommandRefused> {
-        Ok(knowledge_file(
-            &self.config,
-            self.controller.pilot().cached_state()?,
-        ))
-    }
-
-    fn load_mind(&mut self, hex: &str) -> Result<(), CommandRefused> {
-        if !self.controller.inner().is_local() {
-            return Err(
-                "load the file into a remote controller with `host-sim link … upload`".into(),
-            );
-        }
-        let bytes = unhex(hex).ok_or("the file is incomplete")?;
-        let knowledge = Knowledge::from_bytes(&bytes)?;
-        self.renew(self.start.clone(), knowledge.config())?;
-        self.controller.load(self.body.now(), &knowledge);
-        self.learned = knowledge.state().has_learned();
-        Ok(())
-    }
-
     fn configure(&mut self, command: &PageCommand) -> Result<(), CommandRefused> {
         let config = switched(command, &self.config, &self.start.whole)?;
         self.controller.configure(self.body.now(), &config)?;
@@ -353,7 +331,11 @@ impl Simulator {
     }
 
     /// Restarts everything; a named goal stays.
-    fn renew(&mut self, start: SimulatorStart, config: &Config<16>) -> Result<(), CommandRefused> {
+    pub(super) fn renew(
+        &mut self,
+        start: SimulatorStart,
+        config: &Config<16>,
+    ) -> Result<(), CommandRefused> {
         let mut record = start.record();
         record.config = config.clone();
         if let Err(error) = self.controller.reset(&record, Some(&start.world)) {

@@ -4,6 +4,7 @@
 //! the same decisions. Time advances only while the robot does something.
 
 mod commands;
+mod mind;
 mod parts;
 mod places;
 mod senses;
@@ -354,8 +355,8 @@ impl ViewSource for Simulator {
             places: self.has_places(),
             reset: true,
             configure: self.start.setup.robot.is_none(),
-            save: self.start.setup.robot.is_none(),
-            load: self.controller.inner().is_local() && self.start.setup.robot.is_none(),
+            save: true,
+            load: self.controller.inner().is_local(),
             ..Capabilities::default()
         }
     }

@@ -17,7 +17,7 @@ pub(super) const CLOSET: [[f64; 4]; 7] = [
 pub(super) const HOME: Aim = Aim::Position(Displacement::ZERO);
 
 /// Has been everywhere. It pursues something that was perceived nowhere.
-fn who_knows(walls: &Walls) -> Walker<'_, 256> {
+pub(super) fn who_knows(walls: &Walls) -> Walker<'_, 256> {
     let mut walker = Walker::<256>::new(walls, (-1_000.0, -1_400.0));
     walker.places.trust_heading(true);
     while walker.step(Aim::Frontier).is_some() {}
@@ -38,7 +38,7 @@ impl<const RECORDS: usize> Walker<'_, RECORDS> {
     }
 
     /// A decision and its step.
-    fn step_lost(&mut self, aim: Aim) -> Option<Leg> {
+    pub(super) fn step_lost(&mut self, aim: Aim) -> Option<Leg> {
         self.hear();
         let position = self.position();
         let aim = self.places.aim_while_lost(aim, &self.goal);
@@ -52,14 +52,13 @@ impl<const RECORDS: usize> Walker<'_, RECORDS> {
     }
 
     /// How far it is from where it thinks it is, in the frame of a start at this position.
-    fn error_mm(&self, (x, y): (f64, f64)) -> f64 {
+    pub(super) fn error_mm(&self, (x, y): (f64, f64)) -> f64 {
         libm::hypot(self.start.0 - x, self.start.1 - y)
     }
 }
 
 #[test]
 fn it_finds_out_where_it_is_and_goes_home() {
-    let start = (-1_000.0, -1_400.0);
     for (x, y) in [(1_500.0, 1_500.0), (800.0, -1_000.0), (-1_400.0, 900.0)] {
         let mut walker = who_knows(&CLOSET);
         let known = walker.places.positions().len() as u16;
@@ -69,23 +68,29 @@ fn it_finds_out_where_it_is_and_goes_home() {
         walker.set_down(x, y);
         assert!(!walker.places.is_thinking());
         assert_eq!(walker.places.aside(), Some((walker.places.here(), known)));
-        let mut steps = 0;
-        while walker.places.aside().is_some() {
-            walker.step_lost(HOME);
-            steps += 1;
-            assert!(steps < 30, "{x} {y}");
-        }
-        assert!(walker.error_mm(start) < 120.0, "{:?}", walker.start);
-        while walker
-            .step_lost(HOME)
-            .is_some_and(|leg| !leg.is_last || leg.way != Displacement::ZERO)
-        {
-            steps += 1;
-            assert!(steps < 90, "{x} {y}");
-        }
-        assert!(walker.error_mm(start) < 60.0, "{:?}", walker.start);
-        assert!(walker.places.lost.first_uncertain().is_none());
+        goes_home(&mut walker);
     }
+}
+
+/// One that was set down finds out where it is, and goes home.
+pub(super) fn goes_home(walker: &mut Walker<'_, 256>) {
+    let start = (-1_000.0, -1_400.0);
+    let mut steps = 0;
+    while walker.places.aside().is_some() {
+        walker.step_lost(HOME);
+        steps += 1;
+        assert!(steps < 30, "{:?}", walker.start);
+    }
+    assert!(walker.error_mm(start) < 120.0, "{:?}", walker.start);
+    while walker
+        .step_lost(HOME)
+        .is_some_and(|leg| !leg.is_last || leg.way != Displacement::ZERO)
+    {
+        steps += 1;
+        assert!(steps < 90, "{:?}", walker.start);
+    }
+    assert!(walker.error_mm(start) < 60.0, "{:?}", walker.start);
+    assert!(walker.places.lost.first_uncertain().is_none());
 }
 
 #[test]

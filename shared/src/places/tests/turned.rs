@@ -25,6 +25,11 @@ impl<const RECORDS: usize> Walker<'_, RECORDS> {
         self.stand_at(turned(before.0, before.1));
     }
 
+    pub(super) fn turn_by(&mut self, degrees: f64) {
+        let turns = (degrees / 360.0 * 65_536.0) as i32;
+        self.turn(Bearing::from_turns(turns as u16));
+    }
+
     /// A decision and its step; the leg, if there is one.
     fn step_turned(&mut self, aim: Aim) -> Option<Leg> {
         self.hear();
@@ -63,16 +68,20 @@ impl<const RECORDS: usize> Walker<'_, RECORDS> {
 
 const START: (f64, f64) = (-1_000.0, -1_400.0);
 
-/// Has been everywhere, without a compass, and was set down there, turned.
-fn set_down(x: f64, y: f64, degrees: f64) -> Walker<'static> {
+/// Has been everywhere, without a compass.
+pub(super) fn who_knows() -> Walker<'static> {
     let mut walker = Walker::<256>::new(&CLOSET, START);
     while walker.step_turned(Aim::Frontier).is_some() {}
     let (off_mm, off_deg) = walker.error(START);
     assert!(off_mm < 120.0 && off_deg < 3.0, "{off_mm} {off_deg}");
+    walker
+}
+
+/// Such a one was set down there, turned.
+fn set_down(x: f64, y: f64, degrees: f64) -> Walker<'static> {
+    let mut walker = who_knows();
     walker.set_down(x, y);
-    walker.turn(Bearing::from_turns(
-        (degrees / 360.0 * 65_536.0) as i32 as u16,
-    ));
+    walker.turn_by(degrees);
     walker
 }
 
@@ -84,19 +93,23 @@ fn it_finds_out_where_it_is_and_which_way_it_faces_and_goes_home() {
         (-1_400.0, 900.0, 200.0),
         (1_500.0, 0.0, 30.0),
     ] {
-        let mut walker = set_down(x, y, degrees);
-        let mut steps = 0;
-        while walker.places.lost.first_uncertain().is_some() {
-            walker.step_turned(HOME);
-            steps += 1;
-            assert!(steps < 300, "{degrees}: {:?}", walker.error(START));
-        }
-        let (off_mm, off_deg) = walker.error(START);
-        assert!(
-            off_mm < 150.0 && off_deg < 4.0,
-            "{degrees}: {off_mm} mm, {off_deg}°"
-        );
+        finds_itself(&mut set_down(x, y, degrees), degrees);
     }
+}
+
+/// One that was set down finds out where it is and which way it faces.
+pub(super) fn finds_itself(walker: &mut Walker<'_>, degrees: f64) {
+    let mut steps = 0;
+    while walker.places.lost.first_uncertain().is_some() {
+        walker.step_turned(HOME);
+        steps += 1;
+        assert!(steps < 300, "{degrees}: {:?}", walker.error(START));
+    }
+    let (off_mm, off_deg) = walker.error(START);
+    assert!(
+        off_mm < 150.0 && off_deg < 4.0,
+        "{degrees}: {off_mm} mm, {off_deg}°"
+    );
 }
 
 #[test]

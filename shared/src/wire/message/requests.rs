@@ -105,7 +105,7 @@ pub enum HostMessage<const SENSORS: usize> {
 /// What to do with the flash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FlashOperation {
-    /// Save configuration, maps, memory and goals.
+    /// Save configuration, body, maps, memory, places and goals.
     Save,
     /// Load those saved last, as a start does.
     Load,
@@ -159,7 +159,7 @@ pub enum RobotCommand<const SENSORS: usize> {
     Stop,
     /// Go on with what a stop interrupted.
     Resume,
-    /// Forget samples, maps and goals. What was saved stays saved.
+    /// Forget samples, maps, places and goals. What was saved stays saved.
     Forget,
     /// Find where the body's sensors look.
     Calibrate {

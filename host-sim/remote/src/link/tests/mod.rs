@@ -24,6 +24,7 @@ use std::time::Duration;
 
 pub(super) mod floods;
 mod foreign_frames;
+mod saved;
 
 fn setup(sonar: SonarModel, moves: u16, steps: u32) -> Setup {
     Setup {

@@ -58,6 +58,72 @@ fn count(places: &Value, what: &str) -> usize {
     places[what].as_array().unwrap().len()
 }
 
+/// The mind as it is saved.
+fn saved(simulator: &mut Simulator) -> String {
+    match simulator.execute(&PageCommand::SaveMind).unwrap() {
+        CommandOutcome::File(file) => file.hex.unwrap(),
+        _ => panic!("no file"),
+    }
+}
+
+/// Another robot reads its mind, and finds out where it is.
+#[test]
+fn places_are_saved_with_the_mind_and_lead_another_robot_home() {
+    for sonar in [SonarModel::Ideal, SonarModel::Nomad] {
+        let mut first = simulator(sonar, 300);
+        educate(&mut first);
+        first.execute(&PageCommand::Seek).unwrap();
+        decide(&mut first, 301);
+        let known = count(&places(&mut first), "places");
+        let hex = saved(&mut first);
+        let mut second = simulator(sonar, 0);
+        let load = PageCommand::LoadMind { hex };
+        second.execute(&load).unwrap();
+        assert_eq!(saved(&mut second).len(), saved(&mut first).len());
+        second.execute(&PageCommand::Seek).unwrap();
+        decide(&mut second, 1);
+        assert!(count(&places(&mut second), "places") >= known);
+        while seeks(&second) {
+            decide(&mut second, 1);
+        }
+        assert_eq!(
+            second.snapshot().now.note.as_deref(),
+            Some("home is reached")
+        );
+        let off_m = error_m(&mut second);
+        assert!(off_m < 0.3, "{off_m} m");
+    }
+}
+
+#[test]
+fn a_mind_of_another_robot_is_refused() {
+    let mut with_points = simulator(SonarModel::Ideal, 0);
+    educate(&mut with_points);
+    let mut ring =
+        Simulator::new(super::start(SonarModel::Ideal), ControllerPlace::Host, None).unwrap();
+    educate(&mut ring);
+    let mut guarded = start(SonarModel::Ideal, Behavior::Avoid);
+    let robot = guarded.setup.robot.take().unwrap();
+    guarded.setup.robot = Some(robot.with_guard(true));
+    let refused = |loads: &mut Simulator, hex: String| {
+        let load = PageCommand::LoadMind { hex };
+        loads.execute(&load).map(|_| ()).unwrap_err().0
+    };
+    let hex = saved(&mut ring);
+    let why = refused(&mut with_points, hex);
+    assert_eq!(why, "it is of the Nomad's own ring");
+    let hex = saved(&mut with_points);
+    let why = refused(&mut ring, hex.clone());
+    assert_eq!(why, "it is of a robot behind points (--robot, --places)");
+    let mut guarded = Simulator::new(guarded, ControllerPlace::Host, None).unwrap();
+    let why = refused(&mut guarded, hex);
+    assert_eq!(
+        why,
+        "it is of another robot, or its guard (--shield) was another one"
+    );
+    assert!(guarded.execute(&PageCommand::Explore).is_ok(), "it goes on");
+}
+
 /// How far from where it is the robot thinks that it is, m.
 fn error_m(simulator: &mut Simulator) -> f64 {
     let now = simulator.snapshot().now;
