@@ -409,6 +409,10 @@ const CASES: &[Case] = &[
     ("som --data good.csv --epochs 0", &["--epochs"]),
     ("som --data good.csv --rate 0.1:0.5", &["--rate", "0.1:0.5"]),
     ("som --data good.csv --init start.csv", &["start.csv"]),
+    (
+        "link --to qemu --program all hello",
+        &["program \"all\"", "places"],
+    ),
     // State files are read before the controller is contacted.
     (
         "link --to tcp:127.0.0.1:1 upload gone.mind",

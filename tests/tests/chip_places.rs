@@ -16,8 +16,8 @@ use remote::link::{Machine, build_image};
 use sim::episode::Body;
 use sim::robot::{AnyRobot, Ranges};
 use tests::chip::{EmulatedChip, SESSION};
-use tests::host_sim;
 use tests::twin::NodeTwin;
+use tests::{host_sim, words};
 
 /// The world, and the seed of everything.
 const WORLD: u64 = 3;
@@ -155,6 +155,21 @@ fn places_are_known_after_a_reset() {
     chip.open(SESSION + 1, Clock::Device);
     assert!(read(&mut chip, TransferPart::Places) == places);
     assert!(read(&mut chip, TransferPart::Body) == body);
+}
+
+/// What a robot of the simulator knows is written to an emulated chip.
+#[test]
+fn a_file_of_the_simulator_is_for_the_chip() {
+    let program = host_sim!();
+    let run = "run --robot p3dx --ranges nomad --behavior home --tour 100 --world office --json";
+    let _ = program.ok(&format!("{run} --save robot.mind"));
+    let link = "link --to qemu --program";
+    let _ = program.ok(&format!("{link} places upload robot.mind"));
+    let _ = program.ok(&format!("{link} any-body upload robot.mind"));
+    let refused = program.run(&words(&format!("{link} ring upload robot.mind")));
+    let why = "its firmware is for a ring on a turret";
+    let is_named = refused.stderr.contains(why);
+    assert!(refused.code == Some(2) && is_named, "{refused:?}");
 }
 
 /// Home, and away again: the program drives the emulated chip as it drives its own controller.

@@ -40,8 +40,10 @@ pub use remote_controller::RemoteController;
 pub use session::{Response, RetryPolicy, Session};
 pub use transport::{Serial, Tcp, Transport};
 
+use files::error::BadInput;
 use sim::robot::AnyRobot;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 /// Options of the emulator.
 #[derive(Debug, Clone, Default)]
@@ -64,6 +66,23 @@ pub enum Program {
     AnyBody,
     /// The same, with a memory of places.
     Places,
+}
+
+impl FromStr for Program {
+    type Err = BadInput;
+
+    fn from_str(text: &str) -> Result<Self, BadInput> {
+        match text {
+            "ring" => Ok(Self::Ring),
+            "any-body" => Ok(Self::AnyBody),
+            "places" => Ok(Self::Places),
+            _ => Err(BadInput::unknown(
+                "program",
+                text,
+                &["ring", "any-body", "places"],
+            )),
+        }
+    }
 }
 
 impl Program {

@@ -33,6 +33,7 @@ Examples, each after `host-sim link --to serial:/dev/ttyUSB0`:
 
 Without any hardware, in an emulated chip:
   host-sim link --to qemu hello
+  host-sim link --to qemu --program places upload robot.mind
 
 A robot stops when its link goes silent: explore, seek and resume keep it alive until they end. Each command opens a \
 new session, and a moving robot stops when another session begins.
@@ -54,6 +55,10 @@ pub struct LinkArgs {
     /// The controller: serial:PORT[@BAUD] (default 115200 baud), tcp:HOST:PORT, or qemu
     #[arg(long, value_name = "WHERE")]
     to: Address,
+    /// What the emulated chip's program is for: ring (on a held turret), any-body, or places (any
+    /// body, and a memory of places)
+    #[arg(long, value_name = "NAME", default_value = "ring")]
+    program: Program,
     /// Image for --to qemu [default: built from the project's sources]
     #[arg(long, value_name = "ELF")]
     firmware: Option<PathBuf>,
@@ -200,7 +205,7 @@ impl DurationArgs {
 pub(super) fn link(args: &LinkArgs, out: &mut impl Write) -> Result<(), CliError> {
     let emulation = Emulation {
         firmware: args.firmware.clone(),
-        program: Program::Ring,
+        program: args.program,
         verbose: args.verbose,
     };
     // Arguments are checked before the controller is contacted.
