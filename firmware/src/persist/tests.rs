@@ -262,7 +262,7 @@ fn a_save_erases_only_when_a_sector_has_filled_since_the_start() {
         store.ensure_free_slot().expect("there is power");
         assert_eq!(
             store.pause_ms(FlashOperation::Save),
-            207,
+            8,
             "room after each start"
         );
         store.save(&Small::of(number).contents()).expect("room");
@@ -271,7 +271,7 @@ fn a_save_erases_only_when_a_sector_has_filled_since_the_start() {
     // One erasure at the first start, and one for each sector of fifteen slots that had filled.
     assert_eq!(flash.erasures, [5, 5]);
     let mut store = Store::mount(flash, SMALL_SLOT);
-    assert_eq!(store.pause_ms(FlashOperation::Save), 207 + ERASE_MS);
+    assert_eq!(store.pause_ms(FlashOperation::Save), 8 + ERASE_MS);
     store.save(&Small::of(151).contents()).expect("room");
     assert_eq!(store.flash.erasures, [6, 5]);
     // The previous image is in the other sector: it becomes the newest.

@@ -57,8 +57,9 @@ pub fn worlds(args: &WorldsArgs, out: &mut impl Write) -> Result<(), CliError> {
         "surfaces",
         "start m",
         "clearance at start m",
+        "symmetry order",
     ];
-    out.write_all(table::plain(&heads, &rows, &[2, 4]).as_bytes())?;
+    out.write_all(table::plain(&heads, &rows, &[2, 4, 5]).as_bytes())?;
 
     let all: Vec<_> = worlds.iter().collect();
     let svg = plots::worlds("Worlds", &all);
@@ -76,5 +77,6 @@ fn row(world: &World) -> Vec<String> {
         world.segments().count().to_string(),
         format!("({:.2}, {:.2})", start.x, start.y),
         format!("{:.2}", world.clearance(start)),
+        world.symmetry_order().to_string(),
     ]
 }

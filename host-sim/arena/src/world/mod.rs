@@ -3,6 +3,8 @@
 //! All worlds are flat: straight segments and circles, meters and radians. Queries go to the
 //! caster. [`loaders`](crate::loaders) create worlds.
 
+mod symmetry;
+
 use crate::caster::{Caster, LobeView, SonarLobe};
 use crate::nomad::COLLISION_RADIUS_M;
 use crate::shapes::point_defect;
