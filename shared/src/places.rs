@@ -276,7 +276,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         (self.looks_closely, self.reopened) = (false, 0);
         self.stage = Stage::Done;
         (self.compass, self.traveled_mm) = (Compass::NEW, 0);
-        self.lost = Lost::NOT;
+        self.lost.end();
     }
 
     /// The heading of the odometry is that of a compass, or of a turret that is held: it does not

@@ -20,6 +20,9 @@ const BLOCKED: usize = 24;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Graph<const SECTORS: usize, const RECORDS: usize> {
     records: Vec<Record<SECTORS>, RECORDS>,
+    /// Whether what is sought was sought in vain at a place. Beside the places: in them it would
+    /// take a word of each.
+    searched: [bool; RECORDS],
     blocked: Vec<Blocked, BLOCKED>,
     /// Places are to be at least so far apart, millimeters; 0 as long as there is room.
     least_mm: u16,
@@ -66,6 +69,7 @@ impl Merged {
 impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
     pub(super) const NEW: Self = Self {
         records: Vec::new(),
+        searched: [false; RECORDS],
         blocked: Vec::new(),
         least_mm: 0,
         apart: 0,
@@ -97,7 +101,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
     /// Adds a place of an image, as long as there is room.
     #[cfg(feature = "store")]
     pub(super) fn restore(&mut self, record: Record<SECTORS>) {
-        let _ = self.records.push(record);
+        let _ = self.push(record);
     }
 
     pub(super) fn is_full(&self) -> bool {
@@ -162,6 +166,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
         }
         if usize::from(gone) < self.records.len() {
             self.records.swap_remove(gone.into());
+            self.searched(gone, !self.is_searched(merged.last));
         }
         for record in &mut self.records {
             record.renumber(merged);
@@ -221,7 +226,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
         if is_known {
             return nearest.map(|(index, _)| index);
         }
-        if self.records.push(Record::new(position, view)).is_err() {
+        if !self.push(Record::new(position, view)) {
             self.make_room(limits);
             return nearest.map(|(index, _)| index);
         }
@@ -231,18 +236,27 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
         Some(self.records.len() as u16 - 1)
     }
 
+    /// A new place, where nothing was sought yet. False if there is no room.
+    fn push(&mut self, record: Record<SECTORS>) -> bool {
+        self.searched(self.records.len() as u16, true);
+        self.records.push(record).is_ok()
+    }
+
     /// What is sought was found at this place, or sought there in vain.
     pub(super) fn searched(&mut self, index: u16, is_found: bool) {
-        if let Some(record) = self.get_mut(index) {
-            record.is_searched = !is_found;
+        if let Some(searched) = self.searched.get_mut(usize::from(index)) {
+            *searched = !is_found;
         }
+    }
+
+    /// Whether what is sought was sought at this place in vain.
+    pub(super) fn is_searched(&self, index: u16) -> bool {
+        self.searched.get(usize::from(index)) == Some(&true)
     }
 
     /// What is sought may be anywhere.
     pub(super) fn search_anew(&mut self) {
-        for record in &mut self.records {
-            record.is_searched = false;
-        }
+        self.searched = [false; RECORDS];
     }
 
     /// Adds what is perceived to a place, if the robot is there; returns whether it is.

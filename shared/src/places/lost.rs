@@ -18,8 +18,9 @@ use crate::goal::Goal;
 use crate::units::{Bearing, Displacement};
 use heapless::Vec;
 
-/// Guesses, at most.
-const GUESSES: usize = 24;
+/// Guesses, at most. Mazes and halls have dozens of places that look alike: if the right one has no
+/// room a wrong one is believed.
+const GUESSES: usize = 64;
 /// A guess is believed from this score on, if it is clearly the best; the score is the sum of what
 /// fits better, millimeters.
 pub const BELIEVED: i16 = 300;
@@ -126,8 +127,19 @@ impl Lost {
 
     fn end_if_certain(&mut self, score: i16) {
         if score >= CERTAIN {
-            *self = Self::NOT;
+            self.end();
         }
+    }
+
+    /// It knows where it is. In place: the constant with all guesses would take flash.
+    // One copy in the program.
+    #[inline(never)]
+    pub(super) fn end(&mut self) {
+        self.guesses.clear();
+        (self.was_set_down, self.believes, self.is_resigned) = (false, false, false);
+        (self.first, self.began) = (0, Displacement::ZERO);
+        (self.traveled_mm, self.since_mm) = (0, 0);
+        (self.detour, self.detours, self.quarters) = (None, 0, 0);
     }
 
     /// The best guess, if it has half as much again as any that is elsewhere.
@@ -148,22 +160,15 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         let known = self.known_for_good().len();
         if known < MIN_PLACES {
             self.forget();
-            self.lost = Lost {
-                was_set_down: true,
-                is_resigned: true,
-                ..Lost::NOT
-            };
+            (self.lost.was_set_down, self.lost.is_resigned) = (true, true);
             return;
         }
         self.stage = Stage::Done;
-        self.lost = Lost {
-            was_set_down: true,
-            // New places need room.
-            first: known.min(RECORDS - RECORDS / 8) as u16,
-            began: self.here,
-            traveled_mm: STRIDE_MM,
-            ..Lost::NOT
-        };
+        self.lost.end();
+        self.lost.was_set_down = true;
+        // New places need room.
+        self.lost.first = known.min(RECORDS - RECORDS / 8) as u16;
+        (self.lost.began, self.lost.traveled_mm) = (self.here, STRIDE_MM);
         self.go_aside();
         if !self.has_compass {
             self.compass.forget_heading();

@@ -37,8 +37,6 @@ pub(super) struct Record<const SECTORS: usize> {
     links: [u16; LINKS],
     /// What was perceived here at first, and of sectors that were not, later.
     pub(super) view: SituationBytes<SECTORS>,
-    /// What is sought was sought here in vain.
-    pub(super) is_searched: bool,
 }
 
 impl<const SECTORS: usize> Record<SECTORS> {
@@ -51,7 +49,6 @@ impl<const SECTORS: usize> Record<SECTORS> {
             tried: 0,
             links: [NOWHERE; LINKS],
             view: *view,
-            is_searched: false,
         }
     }
 
@@ -253,8 +250,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn two_hundred_fifty_six_places_take_15_kib() {
-        assert!(size_of::<Record<16>>() <= 60);
+    fn two_hundred_fifty_six_places_take_14_kib() {
+        assert_eq!(size_of::<Record<16>>(), 56);
     }
 
     #[test]

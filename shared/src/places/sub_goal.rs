@@ -222,7 +222,10 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
                     wavefront.source(index, length_mm, None);
                 }
             }
-            if let Some(cost_mm) = sought.cost_mm(&record.view).filter(|_| !record.is_searched) {
+            if let Some(cost_mm) = sought
+                .cost_mm(&record.view)
+                .filter(|_| !self.graph.is_searched(index))
+            {
                 wavefront.source(index, cost_mm, None);
             }
             let toward = goal.and_then(|goal| record.open_toward(goal.minus(record.at).bearing()));

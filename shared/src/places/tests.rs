@@ -13,7 +13,6 @@ mod lost;
 mod narrow;
 mod reading;
 mod relocate;
-#[cfg(feature = "store")]
 mod saved;
 mod spacing;
 mod turned;

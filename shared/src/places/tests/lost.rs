@@ -250,3 +250,23 @@ fn no_place_is_linked_to_one_that_was_forgotten() {
     let blocked = std::vec::Vec::from_iter(graph.blocked());
     assert_eq!(blocked, [(0, 1)]);
 }
+
+/// What looks alike is guessed as long as there is room, and then instead of what does not fit.
+#[test]
+fn sixty_four_places_may_look_alike() {
+    let mut lost = Lost::NOT;
+    let here = Displacement::ZERO;
+    let guess = |index: usize| Transform::taking(here, to(400 * index as i16, 0), 0);
+    for index in 0..66 {
+        lost.guess(guess(index), here);
+        // Already guessed.
+        lost.guess(guess(index / 2), here);
+    }
+    assert_eq!(lost.guesses.len(), 64);
+    let has = |lost: &Lost, index| lost.guesses.iter().any(|g| g.transform == guess(index));
+    assert!((0..64).all(|index| has(&lost, index)) && !has(&lost, 65));
+    lost.guesses[20].score = -1;
+    lost.guess(guess(65), here);
+    assert!(has(&lost, 65) && !has(&lost, 20));
+    assert_eq!(lost.guesses.len(), 64);
+}

@@ -42,3 +42,21 @@ fn a_wide_spacing_leaves_open_ways() {
     }
     assert_eq!(graph.spacing_mm(&limits), 550);
 }
+
+/// Where something was sought in vain it was, whatever number the place has.
+#[test]
+fn a_place_that_takes_another_number_was_sought_as_before() {
+    let mut graph = Graph::<16, 8>::NEW;
+    for x_mm in [0, 500, 2_000] {
+        let _ = graph.place_at(&LIMITS, to(x_mm, 0), &[0; 16]);
+    }
+    graph.searched(2, false);
+    graph.keep_apart(800);
+    assert!(graph.thin_out().is_some(), "the second one is too near");
+    let of = |graph: &Graph<16, 8>| [0, 1, 2].map(|index| graph.is_searched(index));
+    assert_eq!(of(&graph), [false, true, true]);
+    let _ = graph.place_at(&LIMITS, to(4_000, 0), &[0; 16]);
+    assert_eq!(of(&graph), [false, true, false], "a new one was not");
+    graph.search_anew();
+    assert_eq!(of(&graph), [false; 3]);
+}
