@@ -24,6 +24,15 @@ fn robot() -> (World, Setup) {
     (World::random(5), setup)
 }
 
+/// A device after that, at rest, and what it knows.
+fn taught(world: &World, setup: &Setup) -> (Session, Knowledge) {
+    let mut teacher = device();
+    there(&mut teacher, world, setup).unwrap();
+    teacher.open(500, Clock::Device).unwrap();
+    let knowledge = Knowledge::download(&mut teacher).unwrap();
+    (teacher, knowledge)
+}
+
 fn places(body: &SimBody) -> Vec<u8> {
     let mut bytes = vec![0; body.places_len()];
     assert_eq!(body.read_places(0, &mut bytes), bytes.len());
@@ -33,10 +42,7 @@ fn places(body: &SimBody) -> Vec<u8> {
 #[test]
 fn body_and_places_go_from_one_device_to_another_through_a_file() {
     let (world, setup) = robot();
-    let mut teacher = device();
-    there(&mut teacher, &world, &setup).unwrap();
-    teacher.open(500, Clock::Device).unwrap();
-    let knowledge = Knowledge::download(&mut teacher).unwrap();
+    let (mut teacher, knowledge) = taught(&world, &setup);
     // The same as here, and where the robot is.
     let mut mind = SimController::new(&setup.config, setup.robot.as_ref());
     run_with(&world, &setup, &mut mind, |_, _, _| {}).unwrap();
@@ -66,10 +72,7 @@ fn body_and_places_go_from_one_device_to_another_through_a_file() {
 #[test]
 fn a_program_without_places_takes_the_rest() {
     let (world, setup) = robot();
-    let mut teacher = device();
-    there(&mut teacher, &world, &setup).unwrap();
-    teacher.open(500, Clock::Device).unwrap();
-    let knowledge = Knowledge::download(&mut teacher).unwrap();
+    let (_, knowledge) = taught(&world, &setup);
     // Of any body, but without places.
     type Forgetful = amp::body::MountedSensors<16, 16, 256, 0>;
     let node = InProcessNode::<16, Forgetful>::of_body(Config::recommended());
