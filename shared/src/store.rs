@@ -16,7 +16,7 @@
 //! covers all others. Framing, first and last record never change, so every version of the program
 //! can check the images of all others; *layout* and *grammar* (the CRC-32 of the grammar from
 //! `Config` on) tell whether it can also read them. Not saved: motions and rings under way, a
-//! search for a place, where the robot is among its places, counters, the link.
+//! search for a place, counters, the link; where the robot is among its places is not read.
 //!
 //! Cost: writing takes a record's bytes of memory, reading and checking as much; an image for the
 //! Nomad has at most [`MAX_NOMAD`] bytes.

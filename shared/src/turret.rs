@@ -28,10 +28,6 @@ pub use body_spec::{BodySpec, Guard, Mount};
 use guard::Hull;
 pub use ring_controller::RingController;
 
-/// After so long without an echo nothing is known any more, milliseconds: travel alone does not
-/// tell that a robot was carried elsewhere while it was off.
-const FORGET_MS: u32 = 600_000;
-
 /// What the robot knows of its surroundings and its motion, in the frame of the start.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VirtualTurret<const SECTORS: usize, const POINTS: usize, const RECORDS: usize> {
@@ -45,6 +41,8 @@ pub struct VirtualTurret<const SECTORS: usize, const POINTS: usize, const RECORD
     fresh: Mask,
     /// When a sensor was heard last.
     heard_at: Millis,
+    /// It was carried since.
+    was_set_down: bool,
     /// The ring of the last decision.
     last_ring: [Option<Range>; SECTORS],
     /// Its sectors that are known.
@@ -94,6 +92,7 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
             odometer: Odometer::NEW,
             fresh: Mask::NONE,
             heard_at: Millis::from_ms(0),
+            was_set_down: false,
             last_ring: [None; SECTORS],
             known: Mask::NONE,
             motion: None,
@@ -116,6 +115,7 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
         self.places.forget();
         self.odometer = Odometer::NEW;
         (self.fresh, self.heard_at) = (Mask::NONE, Millis::from_ms(0));
+        self.was_set_down = false;
         (self.last_ring, self.known) = ([None; SECTORS], Mask::NONE);
         (self.motion, self.course) = (None, Bearing::ZERO);
         (self.is_rolling, self.replans, self.knows_place) = (false, 0, false);
@@ -293,12 +293,7 @@ where
 
     /// Adds what a sensor heard to the points.
     fn remember(&mut self, mount: Mount, range: Option<Range>) {
-        if self.at.after(self.turret.heard_at) >= FORGET_MS {
-            self.turret.memory.forget();
-            self.turret.places.set_down();
-            (self.turret.first_looks, self.turret.knows_place) = (0, false);
-        }
-        self.turret.heard_at = self.at;
+        self.turret.hear_at(self.at);
         let Some(seen) = range.or(self.body.silence()) else {
             return;
         };

@@ -66,7 +66,7 @@ impl Compass {
     #[cfg(feature = "store")]
     pub(super) fn restore_walls(&mut self, shift: u8, weights: [u8; PARTS]) {
         // No weight has more bits.
-        let shift = u32::from(shift).min(MAX_WEIGHT.ilog2() - u8::BITS);
+        let shift = u32::from(shift).min(MAX_WEIGHT.ilog2() + 1 - u8::BITS);
         self.known = weights.map(|weight| u32::from(weight) << shift);
     }
 

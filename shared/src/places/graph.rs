@@ -11,6 +11,9 @@ use heapless::Vec;
 pub(super) const LONGEST_LINK_MM: u16 = 1_200;
 /// Free ways are measured where the robot is so near to a place, millimeters.
 const AT_PLACE_MM: u32 = 160;
+/// Places never have to stand farther apart: an open way has to end outside of its place,
+/// millimeters.
+const MOST_APART_MM: u16 = END_MM - 50;
 /// Places that are looked at while they are thinned out, at a time.
 const THINNED: usize = 8;
 /// Ways that have proved blocked, at most: the oldest goes.
@@ -95,7 +98,11 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
     /// Places of an image stood this far apart.
     #[cfg(feature = "store")]
     pub(super) const fn keep_apart(&mut self, least_mm: u16) {
-        self.least_mm = least_mm;
+        self.least_mm = if least_mm < MOST_APART_MM {
+            least_mm
+        } else {
+            MOST_APART_MM
+        };
     }
 
     /// Adds a place of an image, as long as there is room.
@@ -128,7 +135,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
         }
         let step_mm = limits.spacing_mm / 4;
         let diameter_mm = limits.radius_mm.saturating_mul(2);
-        let most_mm = diameter_mm.saturating_sub(step_mm / 2).min(END_MM - 50);
+        let most_mm = diameter_mm.saturating_sub(step_mm / 2).min(MOST_APART_MM);
         let wider_mm = self.spacing_mm(limits).saturating_add(step_mm).min(most_mm);
         if wider_mm > self.least_mm {
             (self.least_mm, self.apart) = (wider_mm, 0);

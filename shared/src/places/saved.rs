@@ -8,8 +8,9 @@
 //! ```
 //!
 //! *apart* is how far places are to stand apart since there was no room for more, *x* and *y* where
-//! the robot is, millimeters. That is told, but not read: what is read may be old. Not told: which
-//! ways are blocked, and the places that a lost robot has found since it was set down.
+//! the robot is, millimeters. *x*, *y* and *is_lost* are told, but not read: the robot may be
+//! anywhere. Not told: which ways are blocked, and the places that a lost robot has found since it
+//! was set down.
 
 use super::Places;
 use super::record::{BYTES_BESIDE_VIEW, Record};
@@ -105,8 +106,11 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     pub fn write_saved(&mut self, offset: usize, bytes: &[u8]) -> Result<(), TransferError> {
         let written = if offset == 0 { 0 } else { self.saved_len() };
         let room = Self::MAX_BYTES.saturating_sub(offset);
-        if offset != written || !bytes.len().is_multiple_of(Self::ITEM_BYTES) || bytes.len() > room
-        {
+        let is_whole = bytes.len().is_multiple_of(Self::ITEM_BYTES) && bytes.len() <= room;
+        let is_head_alone = offset == 0 && bytes.len() == Self::ITEM_BYTES;
+        // Since it was set down it has places that may be anywhere: none can follow.
+        let is_lost = offset > 0 && self.lost.first_uncertain().is_some();
+        if offset != written || !is_whole || is_head_alone || is_lost {
             return Err(TransferError::OutOfBounds);
         }
         let mut items = bytes.chunks_exact(Self::ITEM_BYTES);

@@ -224,16 +224,23 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<S
             return Err(ImageError::Dimensions);
         }
         *self.config = config;
-        self.state.forget();
-        self.goals.clear();
-        *self.goal = Goal::avoiding(self.config);
+        self.forget();
         let taken = self.take_all(read, most);
         if taken.is_none() {
-            self.state.forget();
+            self.forget();
         }
         let generation = head.generation;
         taken.ok_or(ImageError::Version)?;
         Ok(ImageInfo { generation, bytes })
+    }
+
+    /// Nothing is known but the configuration and the body.
+    #[inline(never)]
+    fn forget(&mut self) {
+        self.state.forget();
+        let _ = self.body.write_places(0, &[]);
+        self.goals.clear();
+        *self.goal = Goal::avoiding(self.config);
     }
 
     fn take_all(&mut self, read: Read<'_>, most: usize) -> Option<()> {

@@ -1,15 +1,18 @@
 //! A robot that pursues a goal is led by its memory of places. To find the way takes longer than an
 //! event may wait: it is done in slices, and the decision comes with the last one.
 
-use super::{FORGET_MS, RingController, Robot, VirtualTurret};
+use super::{RingController, Robot, VirtualTurret};
 #[cfg(feature = "store")]
 use crate::controller::TransferError;
 use crate::controller::{Command, Event, Outputs};
 use crate::memory::{self, SituationBytes};
 use crate::places::{Aim, PlaceLimits, Places, Purpose, SLICE};
-use crate::units::{Bearing, Displacement};
+use crate::units::{Bearing, Displacement, Millis};
 use core::task::Poll;
 
+/// After so long without an echo nothing is known any more, milliseconds: travel alone does not
+/// tell that a robot was carried elsewhere while it was off.
+const FORGET_MS: u32 = 600_000;
 /// A heading drifts by no more from decision to decision, turns: 11°.
 const MOST_DRIFT: u16 = 1 << 11;
 
@@ -43,7 +46,19 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
     /// The robot was carried elsewhere, and maybe turned: with the next echo it knows, as after ten
     /// minutes without one.
     pub const fn set_down(&mut self) {
-        self.heard_at = self.heard_at.minus_ms(FORGET_MS);
+        self.was_set_down = true;
+    }
+
+    /// Something was heard. A robot that was carried, or heard nothing for long, does not know
+    /// where it is.
+    pub(super) fn hear_at(&mut self, at: Millis) {
+        let is_silent = at.after(self.heard_at) >= FORGET_MS;
+        if core::mem::take(&mut self.was_set_down) || is_silent {
+            self.memory.forget();
+            self.places.set_down();
+            (self.first_looks, self.knows_place) = (0, false);
+        }
+        self.heard_at = at;
     }
 
     /// As [`Places::write_saved`]; the robot may be anywhere then.

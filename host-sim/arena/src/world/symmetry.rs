@@ -38,9 +38,9 @@ impl Piece {
 }
 
 impl World {
-    /// The order of rotational symmetry of its surfaces, 1 to 12: turned by a full turn divided by
-    /// that, the world is the same, to within 1 cm. A robot that does not know which way it faces
-    /// cannot tell there where it is.
+    /// The order of rotational symmetry of its surfaces as they are drawn, 1 to 12: turned by a
+    /// full turn divided by that, the world is the same, to within 1 cm. A robot that does not know
+    /// which way it faces cannot tell there where it is.
     #[must_use]
     pub fn symmetry_order(&self) -> u32 {
         let mut pieces = self.pieces();
@@ -115,15 +115,14 @@ mod tests {
     }
 
     #[test]
-    fn a_large_world_is_looked_at_in_time() {
+    fn a_grid_of_posts_is_of_order_four() {
         let at = |index: u32| f64::from(index) - 99.5;
         let posts = (0..200_u32).flat_map(|x| (0..200).map(move |y| post(at(x), at(y))));
         let world = World::new("grid", Pose::default(), posts.collect()).unwrap();
         assert_eq!(world.symmetry_order(), 4);
     }
 
-    /// Halls, and corridors in rings of five, six and eight corners. The clearances at positions of
-    /// a body and at those turned are the same in these, and about the same in one more.
+    /// Halls, and corridors in rings of five, six and eight corners.
     #[test]
     fn one_world_in_seven_of_other_kinds_is_symmetric() {
         let orders = (10_000..10_096).map(|seed| (seed, World::random2(seed).symmetry_order()));

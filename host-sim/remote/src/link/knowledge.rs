@@ -98,11 +98,12 @@ impl Knowledge {
         Ok(knowledge)
     }
 
-    /// Reads body and places as well, in any mode.
+    /// Reads body and places as well, from a controller at rest: places change while it drives.
     ///
     /// # Errors
-    /// [`LinkError`].
+    /// [`LinkError`]; a refusal while the robot explores, learns or seeks.
     pub fn read_body(&mut self, session: &mut Session) -> Result<(), LinkError> {
+        require_idle(session)?;
         if !self.body.replace(&session.read_part(TransferPart::Body)?) {
             return Err(LinkError::Mismatch { what: "body" });
         }
@@ -141,8 +142,8 @@ impl Knowledge {
         Ok(Self::new(config, state))
     }
 
-    /// Writes everything to a controller at rest, and checks it in a new session. One without a
-    /// memory of places gets none.
+    /// Writes everything to a controller at rest, and checks configuration, maps and memory in a
+    /// new session. One without a memory of places gets none.
     ///
     /// # Errors
     /// [`LinkError`]; a refusal while the robot explores, learns or seeks.
@@ -152,7 +153,7 @@ impl Knowledge {
         let mut buffer = [0; MAX_CONFIG];
         session.write_part(TransferPart::Body, self.body.to_bytes(&mut buffer))?;
         session.command(session.elapsed_ms(), RobotCommand::Forget)?;
-        // The configuration comes last: after a broken transfer the maps still match the old one.
+        // The configuration comes after the maps, which match the old one if a transfer breaks.
         for (part, ours) in PARTS.into_iter().rev() {
             if part == TransferPart::Memory || self.state.has_learned() {
                 session.write_part(part, &self.part(ours))?;

@@ -26,6 +26,8 @@ const SILENCE_MS: u32 = 600_000;
 enum FrameChange {
     Begins,
     Carried,
+    /// Its places are those of a file: it is carried among them, and knows with the next echo.
+    Loaded,
 }
 
 /// Robot and controller at the current position.
@@ -224,9 +226,10 @@ impl Playback {
                 self.moves_frame = Some((FrameChange::Begins, self.heading()));
             }
             EventKind::Know(_) => {
-                self.frames.begin(self.pose, self.heading());
-                self.moves_frame = Some((FrameChange::Carried, self.heading()));
+                self.moves_frame = Some((FrameChange::Loaded, self.heading()));
+                self.frames.lose();
             }
+            EventKind::Echoes(_) if self.moves_frame.is_none() => self.settle_places(),
             EventKind::LeadTo(aim) => self.aim = *aim,
             EventKind::SeekSense(goal) => {
                 self.sought = goal.as_ref().and_then(|goal| goal.parse().ok());
@@ -342,13 +345,21 @@ impl Playback {
             FrameChange::Begins => self.frames.begin(pose, heading),
             FrameChange::Carried => {
                 self.frames.carry(pose, heading);
-                let mut frames = self.frames;
-                if let Some(turret) = self.turret() {
-                    frames.settle(turret);
-                }
-                self.frames = frames;
+                self.settle_places();
+            }
+            FrameChange::Loaded => {
+                self.frames.begin(pose, heading);
+                self.frames.carry(pose, heading);
             }
         }
-        change == FrameChange::Carried
+        change != FrameChange::Begins
+    }
+
+    fn settle_places(&mut self) {
+        let mut frames = self.frames;
+        if let Some(turret) = self.turret() {
+            frames.settle(turret);
+        }
+        self.frames = frames;
     }
 }

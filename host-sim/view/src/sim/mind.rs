@@ -24,6 +24,8 @@ impl Simulator {
         self.renew(self.start.clone(), knowledge.config())?;
         self.controller.load(self.body.now(), &knowledge);
         self.learned = knowledge.state().has_learned();
+        // It knows where its sensors look.
+        self.is_calibrated = self.learned;
         if self.has_places() {
             // Of this world, for all that is known. Where in it the robot is it has to find out.
             self.begin_places();

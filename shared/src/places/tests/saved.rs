@@ -105,6 +105,8 @@ fn pieces_out_of_order_or_without_room_change_nothing() {
         (4 * ITEM, &bytes[4 * ITEM..4 * ITEM + 1]),
         (4 * ITEM, &bytes[4 * ITEM..10 * ITEM]),
         (0, &bytes[..10 * ITEM]),
+        // The head alone.
+        (0, &bytes[..ITEM]),
         (1, &bytes[..ITEM]),
         (usize::MAX, &bytes[..ITEM]),
     ] {
@@ -112,12 +114,27 @@ fn pieces_out_of_order_or_without_room_change_nothing() {
         assert_eq!(places.write_saved(offset, piece), refused, "{offset}");
         assert!(places == before, "{offset}");
     }
+    // Nothing follows once it is lost among them.
+    let mut lost: Places<16, 256> = restored(&bytes);
+    lost.set_down();
+    let known = lost.saved_len();
+    let refused = lost.write_saved(known, &bytes[ITEM..2 * ITEM]);
+    assert_eq!(refused, Err(TransferError::OutOfBounds));
     assert_eq!(places.write_saved(0, &[]), Ok(()));
     assert_eq!((places.positions().len(), saved(&places).len()), (0, 0));
     let mut none = Places::<16, 0>::new();
     let refused = none.write_saved(0, &bytes[..ITEM]);
     assert_eq!(refused, Err(TransferError::OutOfBounds));
     assert_eq!(none.read_saved(0, &mut [0; 160]), 0);
+}
+
+/// Places that had to stand farther apart than ever would all become one.
+#[test]
+fn places_never_have_to_stand_far_apart() {
+    let mut bytes = saved(&lost::who_knows(&CLOSET).places);
+    bytes[33..35].fill(0xff);
+    let places: Places<16, 256> = restored(&bytes);
+    assert_eq!(places.graph.least_mm(), 550);
 }
 
 #[test]

@@ -100,6 +100,20 @@ fn a_body_with_less_room_for_places_knows_as_many_as_fit() {
     assert_eq!(held, Some(ImageError::Dimensions));
 }
 
+/// Sealed, but with a goal whose name is none: nothing of it stays.
+#[test]
+fn an_image_with_invalid_content_leaves_no_places() {
+    let (mind, body, _) = robot::<64>(39);
+    let mut image = image_of(&mind, &body);
+    let name = image.windows(12).position(|bytes| bytes == b"oal-number-0");
+    image[name.unwrap()] = 7;
+    let (mut other, mut known, _) = robot::<64>(5);
+    let fault = read_by(&mut other, &mut *known, &sealed(image));
+    assert_eq!(fault, Some(ImageError::Version));
+    assert_eq!(known.places_len(), 0);
+    assert!(!other.state.has_learned() && other.goals.as_slice().is_empty());
+}
+
 #[test]
 fn the_largest_image_of_each_body_has_the_room_it_was_given() {
     // Each record of two places has five bytes more, and three zeros.

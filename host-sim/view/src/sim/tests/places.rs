@@ -95,6 +95,35 @@ fn places_are_saved_with_the_mind_and_lead_another_robot_home() {
     }
 }
 
+/// Stopped before it hears anything, it is drawn where it was all the same.
+#[test]
+fn a_recording_draws_loaded_places_as_the_page_did() {
+    let mut first = simulator(SonarModel::Ideal, 200);
+    educate(&mut first);
+    first.execute(&PageCommand::Seek).unwrap();
+    decide(&mut first, 201);
+    let hex = saved(&mut first);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("loaded.mcap");
+    let start = start(SonarModel::Ideal, Behavior::Home { tour: Tour::of(0) });
+    let mut second = Simulator::new(start, ControllerPlace::Host, Some(&path)).unwrap();
+    second.execute(&PageCommand::LoadMind { hex }).unwrap();
+    second.execute(&PageCommand::Stop).unwrap();
+    second.execute(&PageCommand::Seek).unwrap();
+    decide(&mut second, 12);
+    let drawn = places(&mut second);
+    drop(second);
+    let log = remote::log::read(&path).unwrap();
+    let mut recorded = crate::WatchedLog::new(&log).unwrap();
+    while recorded.step() != StepOutcome::Idle {}
+    let parts = recorded.snapshot().into_parts();
+    let part = parts.iter().find(|part| part.key().0 == "places").unwrap();
+    let replayed: Value = serde_json::from_str(&part.text()).unwrap();
+    let first_of = |value: &Value| value["places"][0].clone();
+    assert!(count(&drawn, "places") > 40);
+    assert_eq!(first_of(&replayed["value"]), first_of(&drawn));
+}
+
 #[test]
 fn a_mind_of_another_robot_is_refused() {
     let mut with_points = simulator(SonarModel::Ideal, 0);
