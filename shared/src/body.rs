@@ -31,7 +31,7 @@ pub trait Body<const SENSORS: usize> {
     #[cfg(feature = "store")]
     const MAX_PLACES_BYTES: usize = 0;
 
-    /// Bytes of a place.
+    /// Bytes of a place; 1 if it has no memory of places.
     #[cfg(feature = "store")]
     const PLACE_BYTES: usize = 1;
 

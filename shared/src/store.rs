@@ -62,7 +62,7 @@ const fn places_piece<const SENSORS: usize, B: Body<SENSORS>>() -> usize {
 /// How an image begins.
 const MAGIC: [u8; WORD] = *b"AMPS";
 
-/// Version of the records.
+/// Version of the records, and of the bytes of places.
 const LAYOUT: u16 = 1;
 
 /// Most bytes of a part in one record.

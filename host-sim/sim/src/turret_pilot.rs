@@ -68,6 +68,7 @@ impl TurretController {
         *self.state = state.clone();
         *self.body = saved.clone();
         let _ = self.body.lead_to(None);
+        self.senses.forget();
         self.configure(config.clone());
     }
 

@@ -97,12 +97,8 @@ impl<const SECTORS: usize, const RECORDS: usize> Graph<SECTORS, RECORDS> {
 
     /// Places of an image stood this far apart.
     #[cfg(feature = "store")]
-    pub(super) const fn keep_apart(&mut self, least_mm: u16) {
-        self.least_mm = if least_mm < MOST_APART_MM {
-            least_mm
-        } else {
-            MOST_APART_MM
-        };
+    pub(super) fn keep_apart(&mut self, least_mm: u16) {
+        self.least_mm = least_mm.min(MOST_APART_MM);
     }
 
     /// Adds a place of an image, as long as there is room.

@@ -8,9 +8,9 @@
 //! ```
 //!
 //! *apart* is how far places are to stand apart since there was no room for more, *x* and *y* where
-//! the robot is, millimeters. *x*, *y* and *is_lost* are told, but not read: the robot may be
-//! anywhere. Not told: which ways are blocked, and the places that a lost robot has found since it
-//! was set down.
+//! the robot is, millimeters. *x*, *y* and *is_lost* are written and not read back: the robot may
+//! be anywhere then. Not written: which ways are blocked, and the places that a lost robot has
+//! found since it was set down.
 
 use super::Places;
 use super::record::{BYTES_BESIDE_VIEW, Record};
@@ -19,12 +19,12 @@ use crate::store::RecordFields;
 use heapless::Vec;
 
 /// Most bytes of an item: a place with a view of 32 sectors.
-pub(super) const MAX_ITEM: usize = 72;
+const MAX_ITEM: usize = 72;
 
 /// An item.
 pub(super) type Item = Vec<u8, MAX_ITEM>;
 
-/// An item of these fields, as long as its kind is.
+/// An item of these fields.
 #[inline(never)]
 pub(super) fn item_of(fields: &[&[u8]]) -> Item {
     let mut item = Item::new();
@@ -55,6 +55,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     }
 
     /// Copies the bytes from `offset` on into `out`, as far as both reach; returns their number.
+    // One copy in the program.
     #[inline(never)]
     pub fn read_saved(&self, offset: usize, out: &mut [u8]) -> usize {
         let count = self.saved_len().saturating_sub(offset).min(out.len());
@@ -102,6 +103,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     ///
     /// # Errors
     /// [`TransferError::OutOfBounds`]; nothing has changed then.
+    // One copy in the program.
     #[inline(never)]
     pub fn write_saved(&mut self, offset: usize, bytes: &[u8]) -> Result<(), TransferError> {
         let written = if offset == 0 { 0 } else { self.saved_len() };

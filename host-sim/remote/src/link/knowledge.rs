@@ -98,15 +98,20 @@ impl Knowledge {
         Ok(knowledge)
     }
 
-    /// Reads body and places as well, from a controller at rest: places change while it drives.
+    /// Reads body and places as well. A ring on a held turret has neither; any other robot has to
+    /// stand: its places change while it drives.
     ///
     /// # Errors
     /// [`LinkError`]; a refusal while the robot explores, learns or seeks.
     pub fn read_body(&mut self, session: &mut Session) -> Result<(), LinkError> {
-        require_idle(session)?;
-        if !self.body.replace(&session.read_part(TransferPart::Body)?) {
+        let body = session.read_part(TransferPart::Body)?;
+        if !self.body.replace(&body) {
             return Err(LinkError::Mismatch { what: "body" });
         }
+        if body.is_empty() {
+            return Ok(());
+        }
+        require_idle(session)?;
         let places = session.read_part(TransferPart::Places)?;
         for (index, piece) in places.chunks(PLACES_PIECE).enumerate() {
             let written = self.body.write_places(index * PLACES_PIECE, piece);

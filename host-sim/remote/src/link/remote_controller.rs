@@ -287,7 +287,7 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
             let until = end.min(Instant::now() + LEARN_POLL);
             match self.session.borrow_mut().next_report(until)? {
                 Some(report) => self.take(&report, &mut outputs)?,
-                // Another sender of frames may leave a query at the end without an answer.
+                // A query would have a time limit of its own.
                 None if Instant::now() >= end => return Err(LinkError::Learning { waited: limit }),
                 // The report may have been lost.
                 None => outputs.mode_changed = !self.is_thinking()?,

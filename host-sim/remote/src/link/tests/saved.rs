@@ -63,6 +63,11 @@ fn body_and_places_go_from_one_device_to_another_through_a_file() {
     read.upload(&mut pupil).unwrap();
     let again = Knowledge::download(&mut pupil).unwrap();
     assert_eq!(again.to_bytes(), knowledge.to_bytes());
+    // Places change while it drives.
+    pupil.command(0, RobotCommand::Seek).unwrap();
+    let refused = knowledge.clone().read_body(&mut pupil);
+    assert_eq!(refused, Err(LinkError::Refused(Refusal::Moving)));
+    pupil.command(0, RobotCommand::Stop).unwrap();
     // It knows none of it any more.
     pupil.command(0, RobotCommand::Forget).unwrap();
     let forgotten = pupil.read_part(TransferPart::Places).unwrap();
@@ -93,8 +98,11 @@ fn a_program_without_places_takes_the_rest() {
     let before = Knowledge::download(&mut ring).unwrap();
     let refused = Err(LinkError::Refused(Refusal::Body));
     assert_eq!(knowledge.upload(&mut ring), refused);
-    assert_eq!(Knowledge::download(&mut ring), Ok(before));
+    assert_eq!(Knowledge::download(&mut ring), Ok(before.clone()));
     let written = ring.write_part(TransferPart::Places, &places(knowledge.body().unwrap()));
     assert_eq!(written, Err(LinkError::Refused(Refusal::NoPlaces)));
     assert_eq!(ring.read_part(TransferPart::Places), Ok(Vec::new()));
+    // It has no places that change while it drives.
+    ring.command(0, RobotCommand::Seek).unwrap();
+    assert_eq!(before.clone().read_body(&mut ring), Ok(()));
 }
