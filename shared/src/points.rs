@@ -14,7 +14,7 @@
 
 use crate::fixed::Mask;
 use crate::units::{Bearing, Displacement, Range};
-use heapless::Vec;
+use heapless::{Vec, VecView};
 use serde::{Deserialize, Serialize};
 
 mod arc;
@@ -211,8 +211,7 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         self.heading = self.heading.plus(turned);
     }
 
-    /// Takes a reading: its beam shows free what lies before its echo, which is a new point. A
-    /// sensor that hears nothing tells nothing: an echo may have gone astray on a smooth wall.
+    /// Takes a reading: its beam shows free what lies before its echo, which is a new point.
     pub fn hear(&mut self, limits: &PointLimits, beam: &Beam) {
         self.hear_along(limits, &self.ray(beam), beam.is_echo);
     }
@@ -242,6 +241,18 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         let _ = self.points.push(Point::new(at, self.traveled_mm, arc));
     }
 
+    /// A sonar heard nothing as far as the ray's range. On a smooth wall an echo may go astray, but
+    /// what returned one in almost the same direction would have returned this one too. Of the
+    /// rest silence tells nothing. `half_cone`: of what it shows free; `may_be_stray`: once alone
+    /// it shows nothing.
+    pub(crate) fn hear_nothing(&mut self, half_cone: Bearing, ray: &Ray, may_be_stray: bool) {
+        self.carve(&FreeBeam {
+            may_be_stray,
+            is_silent: true,
+            ..ray.free(half_cone.direction(), ray.range_mm)
+        });
+    }
+
     /// A beam in the frame of the start.
     pub(crate) fn ray(&self, beam: &Beam) -> Ray {
         Ray {
@@ -253,8 +264,7 @@ impl<const POINTS: usize> PointMemory<POINTS> {
 
     /// A beam has shown a part of its cone free.
     fn carve(&mut self, free: &FreeBeam) {
-        self.points
-            .retain_mut(|point| point.arc.carve(point.at, free));
+        carve(self.points.as_mut_view(), free);
     }
 
     /// Ranges of a ring of evenly spaced sectors, with the bearings of the frame of the start, and
@@ -326,6 +336,16 @@ impl<const POINTS: usize> PointMemory<POINTS> {
     }
 }
 
+/// As [`PointMemory::carve`].
+// One copy in the program, for memories of any size.
+#[inline(never)]
+fn carve(points: &mut VecView<Point>, free: &FreeBeam) {
+    points.retain_mut(|point| {
+        let tells = !free.is_silent || point.is_heard_alike();
+        !tells || point.arc.carve(point.at, free)
+    });
+}
+
 impl Point {
     /// Heard from here.
     const fn new(at: Displacement, traveled_mm: u16, arc: Arc) -> Self {
@@ -355,6 +375,11 @@ impl Point {
     fn is_from_here(&self, limits: &PointLimits) -> bool {
         let here_mm = u32::from(limits.here_mm) + 1;
         self.seen_from.is_shorter_than(here_mm)
+    }
+
+    /// Whether its echo came in the direction in which it is from here, to within 27°.
+    fn is_heard_alike(&self) -> bool {
+        self.seen_from.squared_mm2() <= self.at.squared_mm2() / 4
     }
 
     /// Whether an echo that came from `at` tells its sector's range: it was seen from here, or is

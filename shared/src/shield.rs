@@ -135,6 +135,11 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         self.points.hear_near_along(lobe, ray, is_echo);
     }
 
+    /// A sonar of such a body heard nothing along `ray`; `half` as [`Lobe::half_free`].
+    pub(crate) fn hear_nothing(&mut self, half: Bearing, ray: &Ray) {
+        self.points.hear_nothing(half, ray, true);
+    }
+
     /// How far a disc of `radius_mm` may go along `way` for the guard of such a body, millimeters.
     pub(crate) fn free_mm(&self, way: Displacement, radius_mm: u16) -> u16 {
         self.points.free_beside_arcs_mm(way, radius_mm)

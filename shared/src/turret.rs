@@ -28,6 +28,9 @@ pub use body_spec::{BodySpec, Guard, Mount};
 use guard::Hull;
 pub use ring_controller::RingController;
 
+/// As far as this a sonar that hears nothing would have heard what another one heard.
+const SILENT: Range = Range::from_mm(6_000);
+
 /// What the robot knows of its surroundings and its motion, in the frame of the start.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VirtualTurret<const SECTORS: usize, const POINTS: usize, const RECORDS: usize> {
@@ -294,18 +297,20 @@ where
     /// Adds what a sensor heard to the points.
     fn remember(&mut self, mount: Mount, range: Option<Range>) {
         self.turret.hear_at(self.at);
-        let Some(seen) = range.or(self.body.silence()) else {
-            return;
-        };
+        let seen = range.or(self.body.silence());
         let beam = Beam {
             mount: mount.position,
             axis: mount.axis,
-            range: seen,
+            range: seen.unwrap_or(SILENT),
             is_echo: range.is_some(),
         };
         let ray = self.turret.memory.ray(&beam);
-        self.hear_near(&ray, &beam);
-        (self.turret.memory).hear_along(&self.body.points, &ray, beam.is_echo);
+        if seen.is_some() {
+            self.hear_near(&ray, &beam);
+            (self.turret.memory).hear_along(&self.body.points, &ray, beam.is_echo);
+        } else if self.turret.places.looks_for_position() {
+            self.hear_nothing(&ray);
+        }
     }
 
     /// A decision of a robot that stands, or a look around before it.

@@ -200,7 +200,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     }
 
     /// It is led to a position, by a way that it has not gone.
-    fn looks_for_position(&self) -> bool {
+    pub(crate) const fn looks_for_position(&self) -> bool {
         matches!(self.purpose, Purpose::Lead(Aim::Position(_))) && self.frontier.is_some()
     }
 

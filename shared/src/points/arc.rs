@@ -208,6 +208,7 @@ impl Ray {
             half_cone,
             length_mm,
             may_be_stray: false,
+            is_silent: false,
         }
     }
 }
@@ -222,6 +223,8 @@ pub(super) struct FreeBeam {
     pub(super) length_mm: i32,
     /// Its echo may be a stray one: of each arc the first such beam frees nothing.
     pub(super) may_be_stray: bool,
+    /// Nothing was heard: see [`hear_nothing`](super::PointMemory::hear_nothing).
+    pub(super) is_silent: bool,
 }
 
 impl FreeBeam {

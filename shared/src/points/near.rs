@@ -15,9 +15,14 @@ pub(crate) struct Lobe {
     pub(crate) half_free: Bearing,
     /// What is farther away is not kept, millimeters.
     pub(crate) reach_mm: u32,
-    /// Similar points are less than this apart, millimeters. A beam frees nothing within as much of
-    /// its echo, so it does not free what it confirms.
+    /// Similar points are less than this apart, millimeters.
     pub(crate) similar_mm: u16,
+    /// A beam frees nothing within so much of its echo, and one part of the range in as many as
+    /// that: ranges err, millimeters.
+    pub(crate) short_of_echo_mm: u16,
+    pub(crate) short_of_echo_part: u16,
+    /// What is heard again may be anywhere in the lobe again.
+    pub(crate) doubts_free: bool,
 }
 
 impl<const POINTS: usize> PointMemory<POINTS> {
@@ -37,11 +42,7 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         let at = ray.at(chord_mm);
         let free = FreeBeam {
             may_be_stray: true,
-            // Short of the echo by four deviations of a near range, and its rounding to inches.
-            ..ray.free(
-                lobe.half_free.direction(),
-                chord_mm - chord_mm / 32 - i32::from(lobe.similar_mm),
-            )
+            ..ray.free(lobe.half_free.direction(), lobe.free_mm(chord_mm))
         };
         self.carve(&free);
         if !is_echo || !at.is_shorter_than(lobe.reach_mm) {
@@ -50,7 +51,9 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         let point = Point::new(at, self.traveled_mm, Arc::new(ray.axis, edge_mm / 2));
         let mut others = self.points.iter_mut();
         if let Some(other) = others.find(|other| other.covers(&point, lobe.similar_mm)) {
-            other.arc.confirm();
+            if lobe.doubts_free {
+                other.arc.confirm();
+            }
             return;
         }
         if let Err(point) = self.points.push(point) {
@@ -84,6 +87,14 @@ impl<const POINTS: usize> PointMemory<POINTS> {
         self.until_contact_mm(way, |point, direction, free| {
             (point.arc).until_contact(point.at, direction, radius_mm, free, &until)
         })
+    }
+}
+
+impl Lobe {
+    /// How far a beam frees its lobe whose chord is as far as this, millimeters.
+    fn free_mm(&self, chord_mm: i32) -> i32 {
+        let part = i32::from(self.short_of_echo_part.max(1));
+        chord_mm - chord_mm / part - i32::from(self.short_of_echo_mm)
     }
 }
 

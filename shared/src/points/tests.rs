@@ -154,6 +154,7 @@ fn a_beam_shows_no_place_free_that_it_does_not_reach() {
             half_cone: half_cone.direction(),
             length_mm: any(5_000) as i32,
             may_be_stray: false,
+            is_silent: false,
         };
         // The plain way: each place by itself.
         let mut by_place = arc;
@@ -348,6 +349,29 @@ fn extreme_ranges_and_moves_do_no_harm() {
     );
 }
 
+/// On a smooth wall heard from the side an echo goes astray.
+#[test]
+fn silence_frees_what_was_heard_in_almost_the_same_direction() {
+    let left_after = |aside_mm, may_be_stray| {
+        let mut memory = heard(&[(0.0, 1_000)]);
+        memory.moved(&LIMITS, way(0, aside_mm), Bearing::ZERO);
+        let at = memory.points.first().expect("heard").at;
+        let ray = memory.ray(&Beam {
+            mount: Displacement::ZERO,
+            axis: at.bearing(),
+            range: Range::from_mm(3_000),
+            is_echo: false,
+        });
+        memory.hear_nothing(LIMITS.half_cone, &ray, may_be_stray);
+        memory.len()
+    };
+    assert_eq!(left_after(0, false), 0);
+    assert_eq!(left_after(650, false), 0);
+    assert_eq!(left_after(-650, false), 0);
+    assert_eq!(left_after(800, false), 1);
+    assert_eq!(left_after(0, true), 1, "once alone it shows nothing");
+}
+
 /// Somebody passes before a wall.
 #[test]
 fn an_echo_that_ends_motions_frees_nothing_beyond_it() {
@@ -356,6 +380,9 @@ fn an_echo_that_ends_motions_frees_nothing_beyond_it() {
         half_free: degrees(8.75),
         reach_mm: 2_000,
         similar_mm: 60,
+        short_of_echo_mm: 60,
+        short_of_echo_part: 32,
+        doubts_free: true,
     };
     let beam = |range_mm| Beam {
         mount: Displacement {

@@ -53,6 +53,10 @@ impl ShieldConfig {
             half_free: Bearing::from_turns(half_free),
             reach_mm: (steps_mm + body_mm).unsigned_abs(),
             similar_mm: 60,
+            // Four deviations of a near range, and its rounding to inches.
+            short_of_echo_mm: 60,
+            short_of_echo_part: 32,
+            doubts_free: true,
         }
     }
 

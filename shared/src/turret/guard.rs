@@ -103,18 +103,33 @@ where
         shield.hear_along(&lobe, &ray.with_range(range_mm), beam.is_echo);
     }
 
+    /// A sonar heard nothing along `ray`. It counts only where the robot looks closely: echoes that
+    /// go astray on smooth walls would free too much.
+    pub(super) fn hear_nothing(&mut self, ray: &Ray) {
+        (self.turret.memory).hear_nothing(self.body.points.half_cone, ray, false);
+        if let Some(guard) = self.body.guard {
+            let half = self.lobe(&guard).half_free;
+            self.controller.shield().hear_nothing(half, ray);
+        }
+    }
+
     /// What the body may meet on its next steps stands in the sensors' cones.
     fn lobe(&self, guard: &Guard) -> Lobe {
         let robot = &self.config.robot;
         let half = self.body.points.half_cone.as_turns();
         Lobe {
             half: Bearing::from_turns(half),
-            // As far as to halfway between two of the five places.
-            half_free: Bearing::from_turns(half - half / 4),
+            // As far as to a quarter of the way to the next of the five places. The margin covers
+            // what stands farther, 14 mm at 1 m.
+            half_free: Bearing::from_turns(half - half / 8),
             reach_mm: 3 * u32::from(robot.step_mm)
                 + u32::from(robot.body_radius_mm)
                 + u32::from(guard.margin_mm.get()),
             similar_mm: self.body.points.short_of_echo_mm.saturating_mul(2),
+            // Two deviations: what a beam frees wrongly its own echo closes.
+            short_of_echo_mm: self.body.points.short_of_echo_mm,
+            short_of_echo_part: 64,
+            doubts_free: false,
         }
     }
 

@@ -2,6 +2,7 @@ use super::*;
 use crate::controller::{Command, Progress};
 use crate::goal::Goal;
 use crate::turret::tests::{Rig, ring_body};
+use crate::units::Range;
 use core::num::NonZeroU16;
 use std::vec::Vec;
 
@@ -77,7 +78,8 @@ fn one_echo_from_beyond_opens_no_way_and_a_second_does() {
     assert!(after_two >= 699, "{after_two}");
 }
 
-/// An infrared sensor that hears nothing sees that nothing is there; a sonar does not.
+/// An infrared sensor that hears nothing sees that nothing is there. A sonar that now hears from
+/// elsewhere does not.
 #[test]
 fn silence_opens_a_way_for_what_sees_free_space() {
     for (silence_mm, is_open) in [(None, false), (Some(1_500), true)] {
@@ -97,7 +99,53 @@ fn silence_opens_a_way_for_what_sees_free_space() {
     }
 }
 
-/// What stood at 580 mm has gone back by 50 mm.
+/// From almost where it was heard the same thing would be heard again.
+#[test]
+fn silence_of_a_sonar_opens_a_way_that_was_closed_from_here() {
+    let mut robot = Standing::new(50, 0);
+    robot.hears(&[(0, 80)]);
+    robot.moves(Displacement::along(Bearing::ZERO, -250));
+    let way = Displacement::along(Bearing::ZERO, 700);
+    robot.0.hear([None; 16]);
+    robot.0.hear([None; 16]);
+    let before = robot.allowed_of(way);
+    let ahead = Beam {
+        mount: Displacement::along(Bearing::ZERO, 231),
+        axis: Bearing::ZERO,
+        range: Range::from_mm(3_000),
+        is_echo: false,
+    };
+    // As where it looks for a position.
+    let mut allowed = || {
+        robot.0.with_robot(|robot| {
+            let ray = robot.turret.memory.ray(&ahead);
+            robot.hear_nothing(&ray);
+            robot.guarded(way).length_mm()
+        })
+    };
+    let (after_one, after_two) = (allowed(), allowed());
+    assert!((200..=250).contains(&before), "{before}");
+    assert_eq!(after_one, before);
+    assert!(after_two >= 699, "{after_two}");
+}
+
+/// A beam from the side has shown half of the cone free, twice.
+#[test]
+fn what_was_shown_free_stays_free_when_the_rest_is_heard_again() {
+    let mut robot = Standing::new(50, 0);
+    let ahead = |robot: &mut Standing| robot.allowed_of(Displacement::along(Bearing::ZERO, 700));
+    robot.hears(&[(0, 500)]);
+    let before = ahead(&mut robot);
+    robot.moves(Displacement::along(Bearing::of_place(4, 16), 330));
+    robot.hears(&[]).hears(&[]);
+    robot.moves(Displacement::along(Bearing::of_place(12, 16), 330));
+    let shown = ahead(&mut robot);
+    robot.hears(&[(0, 500)]);
+    assert!(shown > before + 10, "{shown} mm, {before} mm before");
+    assert_eq!(ahead(&mut robot), shown);
+}
+
+/// What stood at 580 mm has gone back by 35 mm.
 #[test]
 fn a_small_body_tells_near_things_apart() {
     for (short_of_echo_mm, opens) in [(30, false), (4, true)] {
@@ -105,7 +153,7 @@ fn a_small_body_tells_near_things_apart() {
         robot.0.body.points.short_of_echo_mm = short_of_echo_mm;
         robot.hears(&[(0, 80)]);
         robot.moves(Displacement::along(Bearing::ZERO, -500));
-        robot.hears(&[(0, 630)]).hears(&[(0, 630)]);
+        robot.hears(&[(0, 615)]).hears(&[(0, 615)]);
         let allowed = robot.allowed_of(Displacement::along(Bearing::ZERO, 700));
         assert_eq!(allowed > 510, opens, "{short_of_echo_mm}: {allowed}");
     }
