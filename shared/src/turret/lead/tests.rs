@@ -100,6 +100,26 @@ fn it_decides_when_it_has_thought() {
     assert!(rig.turret.places().positions().len() > 0);
 }
 
+/// It stands where it heard what sensor 0 now hears no more.
+#[test]
+fn silence_counts_while_it_looks_for_a_position_alone() {
+    let position = Aim::Position(Displacement::along(Bearing::ZERO, 9_000));
+    for (aim, counts) in [(Aim::Frontier, false), (position, true)] {
+        let mut rig = Rig::new(None);
+        rig.turret.lead_to(Some(aim));
+        rig.ring([2_000; 16]);
+        let motion = rig.think_to_the_end().motion.expect("a move");
+        rig.report(motion, Displacement::ZERO, Progress::Ended);
+        let heard = rig.turret.memory().len();
+        let silent = Event::Echo {
+            sensor: 0,
+            range: None,
+        };
+        let _ = rig.handle(silent);
+        assert_eq!(rig.turret.memory().len() < heard, counts, "{aim:?}");
+    }
+}
+
 /// One that thinks hears three more rings, and time passes.
 #[test]
 fn whatever_it_hears_while_it_thinks_it_decides_once() {
