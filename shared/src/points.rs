@@ -336,13 +336,19 @@ impl<const POINTS: usize> PointMemory<POINTS> {
     }
 }
 
+/// Whether what is `at` there was heard in the direction in which it is from here, to within 27°.
+fn is_heard_alike(seen_from: Displacement, at: Displacement) -> bool {
+    seen_from.squared_mm2() <= at.squared_mm2() / 4
+}
+
 /// As [`PointMemory::carve`].
 // One copy in the program, for memories of any size.
 #[inline(never)]
 fn carve(points: &mut VecView<Point>, free: &FreeBeam) {
     points.retain_mut(|point| {
-        let tells = !free.is_silent || point.is_heard_alike();
-        !tells || point.arc.carve(point.at, free)
+        let Point { at, seen_from, .. } = *point;
+        let tells = || !free.is_silent || is_heard_alike(seen_from, at);
+        point.arc.carve(at, free, tells)
     });
 }
 
@@ -375,11 +381,6 @@ impl Point {
     fn is_from_here(&self, limits: &PointLimits) -> bool {
         let here_mm = u32::from(limits.here_mm) + 1;
         self.seen_from.is_shorter_than(here_mm)
-    }
-
-    /// Whether its echo came in the direction in which it is from here, to within 27°.
-    fn is_heard_alike(&self) -> bool {
-        self.seen_from.squared_mm2() <= self.at.squared_mm2() / 4
     }
 
     /// Whether an echo that came from `at` tells its sector's range: it was seen from here, or is

@@ -77,15 +77,20 @@ impl Arc {
     }
 
     /// Takes the places away that a beam has shown free; `axis` is where the arc's axis is, from
-    /// the robot. Returns whether any place is left.
+    /// the robot. `tells`: whether the beam tells of this arc. Returns whether any place is left.
     // Inlined, and the rare part not: a body's echo is over its budget of instructions otherwise.
     #[inline]
-    pub(super) fn carve(&mut self, axis: Displacement, beam: &FreeBeam) -> bool {
+    pub(super) fn carve(
+        &mut self,
+        axis: Displacement,
+        beam: &FreeBeam,
+        tells: impl FnOnce() -> bool,
+    ) -> bool {
         let offset = axis.minus(beam.face);
         let from_face = beam
             .axis
             .components(offset.dx_mm.into(), offset.dy_mm.into());
-        !self.is_reached(from_face, beam) || self.carve_places(from_face, beam)
+        !self.is_reached(from_face, beam) || !tells() || self.carve_places(from_face, beam)
     }
 
     /// Distance until a disc that goes along `way` touches a place that no beam has shown free, at
