@@ -17,9 +17,9 @@ pub(crate) struct Lobe {
     pub(crate) reach_mm: u32,
     /// Similar points are less than this apart, millimeters.
     pub(crate) similar_mm: u16,
-    /// A beam frees nothing within so much of its echo, and one part of the range in as many as
-    /// that: ranges err, millimeters.
+    /// A beam frees nothing so near to its echo, as ranges err, millimeters.
     pub(crate) short_of_echo_mm: u16,
+    /// Nor within this part of its range, one in so many.
     pub(crate) short_of_echo_part: u16,
     /// What is heard again may be anywhere in the lobe again.
     pub(crate) doubts_free: bool,

@@ -103,8 +103,8 @@ where
         shield.hear_along(&lobe, &ray.with_range(range_mm), beam.is_echo);
     }
 
-    /// A sonar heard nothing along `ray`. It counts only where the robot looks closely: echoes that
-    /// go astray on smooth walls would free too much.
+    /// A sonar heard nothing along `ray`. For robots that look for a position: elsewhere echoes that
+    /// go astray on smooth walls free too much.
     pub(super) fn hear_nothing(&mut self, ray: &Ray) {
         (self.turret.memory).hear_nothing(self.body.points.half_cone, ray, false);
         if let Some(guard) = self.body.guard {
@@ -120,7 +120,7 @@ where
         Lobe {
             half: Bearing::from_turns(half),
             // As far as to a quarter of the way to the next of the five places. The margin covers
-            // what stands farther, 14 mm at 1 m.
+            // what stands farther, up to 27 mm at 1 m.
             half_free: Bearing::from_turns(half - half / 8),
             reach_mm: 3 * u32::from(robot.step_mm)
                 + u32::from(robot.body_radius_mm)
