@@ -336,7 +336,7 @@ impl<const POINTS: usize> PointMemory<POINTS> {
     }
 }
 
-/// Whether what is `at` there was heard in the direction in which it is from here, to within 30°.
+/// Whether what is at a place was heard in the direction in which it is now, to within 30°.
 fn is_heard_alike(seen_from: Displacement, at: Displacement) -> bool {
     seen_from.squared_mm2() <= at.squared_mm2() / 4
 }

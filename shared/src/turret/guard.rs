@@ -103,8 +103,8 @@ where
         shield.hear_along(&lobe, &ray.with_range(range_mm), beam.is_echo);
     }
 
-    /// A sonar heard nothing along `ray`. For robots that look for a position: elsewhere echoes that
-    /// go astray on smooth walls free too much.
+    /// A sonar heard nothing along `ray`. For robots that look for a position: elsewhere echoes
+    /// that go astray on smooth walls free too much.
     pub(super) fn hear_nothing(&mut self, ray: &Ray) {
         (self.turret.memory).hear_nothing(self.body.points.half_cone, ray, false);
         if let Some(guard) = self.body.guard {
