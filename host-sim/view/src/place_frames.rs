@@ -113,12 +113,14 @@ impl PlaceFrames {
         PlaceFrame { pose, side }
     }
 
-    /// The places of a robot that is in this pose.
-    pub fn seen<'p>(&'p self, turret: &'p SimTurret, pose: Pose) -> SeenPlaces<'p> {
+    /// The places of a robot that is in this pose, and then takes its front to be at `heading`,
+    /// rad, in its own frame.
+    pub fn seen<'p>(&'p self, turret: &'p SimTurret, pose: Pose, heading: f64) -> SeenPlaces<'p> {
+        let front = self.frame_here(pose, heading).pose.heading;
         SeenPlaces {
             frames: self,
             turret,
-            pose,
+            front,
         }
     }
 }
@@ -133,7 +135,8 @@ pub(crate) fn heading(turret: &SimTurret) -> f64 {
 pub(crate) struct SeenPlaces<'p> {
     frames: &'p PlaceFrames,
     turret: &'p SimTurret,
-    pose: Pose,
+    /// Heading of its own frame in the world, as it knows it by now, rad.
+    front: f64,
 }
 
 impl SeenPlaces<'_> {
@@ -143,8 +146,7 @@ impl SeenPlaces<'_> {
         let (began, first) = self.turret.places().aside()?;
         let frame = self.frames.set_down?;
         // It may have found out which way it faces.
-        let here = self.frames.frame_here(self.pose, heading(self.turret));
-        let pose = Pose::new(frame.pose.position, here.pose.heading);
+        let pose = Pose::new(frame.pose.position, self.front);
         Some((PlaceFrame { pose, ..frame }, began, first))
     }
 

@@ -30,7 +30,7 @@ fn a_robot_finds_a_scent_and_the_page_draws_it() {
     page.click("#learn");
     page.wait("view.maps.learned && view.now.mode === 'idle'");
     page.eval("ask('speed', {factor: 100}).then(() => ask('seek'))");
-    page.wait("view.now.goal.tour[0] > 250");
+    page.wait("view.now.goal.tour[0] > 450");
     page.eval("ask('speed', {factor: 40})");
     page.click("#pause");
     page.wait("view.now.pace.paused && view.places.sensed.length > 40");

@@ -87,17 +87,17 @@ impl WatchedLog {
             return;
         };
         let playback = &mut self.playback;
+        let mut is_whole = false;
         while let Some((time_ns, item)) = self.timeline.items.get(self.at) {
             let late = *time_ns > began.saturating_add((LONGEST_STEP_S * 1e9) as u64);
-            let last = match item {
-                TimelineItem::Event(_) | TimelineItem::Start(_) if late => break,
-                TimelineItem::Pose(_) => true,
-                _ => false,
-            };
+            if late && matches!(item, TimelineItem::Event(_) | TimelineItem::Start(_)) {
+                break;
+            }
+            is_whole = matches!(item, TimelineItem::Pose(_));
             playback.time_s = *time_ns as f64 / 1e9;
             playback.take(item, &self.timeline);
             self.at += 1;
-            if last || playback.difference.is_some() {
+            if is_whole || playback.difference.is_some() {
                 break;
             }
         }
@@ -114,7 +114,9 @@ impl WatchedLog {
                 TimelineItem::Pose(pose) => Some(*pose),
                 _ => None,
             });
-            playback.pose = next.unwrap_or(playback.pose);
+            if let Some(pose) = next.filter(|_| is_whole) {
+                playback.end_step(pose);
+            }
         }
     }
 

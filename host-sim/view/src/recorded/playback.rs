@@ -44,6 +44,9 @@ pub(super) struct Playback {
     pub sources: Arc<Vec<SourceDto>>,
     pub start: Option<Point>,
     pub pose: Pose,
+    /// Bearing of its front in its own frame when it was in that pose, rad. While a robot turns
+    /// around the log has no pose of it.
+    front: f64,
     pub scan_pose: Pose,
     pub leader: Option<Point>,
     pub ranges_m: [Option<f64>; 16],
@@ -87,6 +90,7 @@ impl Playback {
             sources: Arc::default(),
             start: None,
             pose: Pose::default(),
+            front: 0.0,
             scan_pose: Pose::default(),
             leader: None,
             ranges_m: [None; 16],
@@ -117,7 +121,7 @@ impl Playback {
 
     /// Its places, in the world, once it is known where they are.
     pub fn seen_places(&self) -> Option<SeenPlaces<'_>> {
-        Some(self.frames.seen(self.turret()?, self.pose))
+        Some((self.frames).seen(self.turret()?, self.pose, self.front))
     }
 
     /// The way that its places lead it, if they do.
@@ -334,6 +338,11 @@ impl Playback {
         if let (None, Some(decision)) = (&self.nest, &self.decision) {
             self.nest = Some((decision.situation, pose.position));
         }
+    }
+
+    /// The step that was taken ended here.
+    pub fn end_step(&mut self, pose: Pose) {
+        (self.pose, self.front) = (pose, self.heading());
     }
 
     /// Returns whether the robot was carried here.

@@ -91,6 +91,8 @@ fn with_places(behavior: &str) -> WatchedLog {
         config: robot.config(ring.config.clone()),
         robot: Some(robot),
         behavior,
+        // It looks around for a while until it knows.
+        steps: 400,
         ..ring
     };
     let folder = tempfile::tempdir().unwrap();

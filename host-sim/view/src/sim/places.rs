@@ -39,7 +39,7 @@ impl Simulator {
 
     fn seen_places(&self) -> Option<SeenPlaces<'_>> {
         let turret = self.controller.inner().led_turret()?;
-        Some(self.frames.seen(turret, self.body.pose()))
+        Some((self.frames).seen(turret, self.body.pose(), heading(turret)))
     }
 
     /// Tells the robot where its places are to lead it. Without places it finds its way by the goal
