@@ -132,10 +132,22 @@ impl TurretController {
         self.robot.is_led.then(|| self.turret())
     }
 
-    /// Whether each tick is a step of finding its sensors.
+    /// Whether each tick is a step of learning or of finding its sensors.
     #[must_use]
-    pub fn is_solving(&self) -> bool {
-        self.body.is_solving()
+    pub fn thinks(&self) -> bool {
+        matches!(self.state.mode(), Mode::Learn { .. }) || self.body.is_solving()
+    }
+
+    /// What else its sensors read, where it is now. Returns where a robot that looks for something
+    /// there is to be led.
+    pub fn perceive(&mut self, at: Millis, readings: &Readings) -> Option<Aim> {
+        let places = self.body.turret().places();
+        // One that was carried, and does not know where it is, has no position for what it senses.
+        if !self.robot.is_led || places.aside().is_some() {
+            return None;
+        }
+        self.senses.perceive(readings, places.here(), at);
+        self.senses.aim(places, at)
     }
 
     /// The body as it is known; while it finds its sensors, as far as it has found them.
@@ -264,13 +276,7 @@ impl Pilot for TurretController {
     }
 
     fn sense(&mut self, at: Millis, readings: &Readings) {
-        let places = self.body.turret().places();
-        // One that was carried, and does not know where it is, has no position for what it senses.
-        if !self.robot.is_led || places.aside().is_some() {
-            return;
-        }
-        self.senses.perceive(readings, places.here(), at);
-        if let Some(aim) = self.senses.aim(places, at) {
+        if let Some(aim) = self.perceive(at, readings) {
             let _ = self.body.lead_to(Some(aim));
         }
     }

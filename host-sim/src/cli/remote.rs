@@ -118,6 +118,20 @@ impl Remote {
         }))
     }
 
+    /// Where it is.
+    pub(super) fn address(&self) -> &Address {
+        &self.address
+    }
+
+    /// Whether it has a memory of places.
+    ///
+    /// # Errors
+    /// When it cannot be reached.
+    pub(super) fn has_places(&mut self) -> Result<bool, BadInput> {
+        let has_places = self.session.has_places();
+        has_places.map_err(|error| named(&self.address, &error))
+    }
+
     /// Runs an episode, with a log if one is requested.
     ///
     /// # Errors

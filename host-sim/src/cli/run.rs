@@ -18,6 +18,7 @@ use remote::log;
 use sim::behavior::TourBy;
 use sim::episode::{self, Episode, EpisodeReport, Setup};
 use sim::pilot::InspectableController;
+use sim::robot::AnyRobot;
 use sim::sim_controller::SimController;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -194,8 +195,11 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), CliError> {
     };
     let sources = sources(&args.worlds)?;
     check_outputs(args, sources.len())?;
-    check_robot(args, &setup)?;
-    let remote = Remote::connect(&args.mind, setup.explore_moves, setup.robot.as_ref())?;
+    check_robot(&setup)?;
+    let mut remote = Remote::connect(&args.mind, setup.explore_moves, setup.robot.as_ref())?;
+    if let Some(remote) = &mut remote {
+        check_remote(args, &setup, remote)?;
+    }
     if let Some(dir) = &args.out {
         prepare(dir)?;
     }
@@ -240,33 +244,36 @@ fn check_outputs(args: &RunArgs, worlds: usize) -> Result<(), BadInput> {
     Ok(())
 }
 
-/// Refuses what only the controller of the Nomad's own ring can do yet.
-fn check_robot(args: &RunArgs, setup: &Setup) -> Result<(), BadInput> {
-    let Some(robot) = &setup.robot else {
+/// Refuses what is sought in another modality without a memory of places.
+fn check_robot(setup: &Setup) -> Result<(), BadInput> {
+    let is_led = setup.robot.as_ref().is_none_or(AnyRobot::is_led);
+    match setup.behavior.sense_goals().next() {
+        Some(goal) if !is_led => Err(BadInput::new(format!(
+            "--places off: the behavior {} needs a memory of places",
+            goal.name()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses what a controller at the other end of a link cannot do without a memory of places.
+fn check_remote(args: &RunArgs, setup: &Setup, remote: &mut Remote) -> Result<(), BadInput> {
+    if setup.robot.is_none() || remote.has_places()? {
         return Ok(());
-    };
-    let is_remote = args.mind.choice != MindChoice::Host;
-    if let Some(goal) = setup.behavior.sense_goals().next() {
-        let goal = goal.name();
-        if !robot.is_led() {
-            return Err(BadInput::new(format!(
-                "--places off: the behavior {goal} needs a memory of places"
-            )));
-        }
-        if is_remote {
-            return Err(BadInput::new(format!(
-                "--mind: the behavior {goal} is only for the controller in this process: no other takes scents, light or colors"
-            )));
-        }
     }
-    if args.log.is_some() && is_remote {
-        return Err(BadInput::new(format!(
-            "--log with --mind: only with the Nomad's own ring, not with the robot \"{}\" behind points \
-             (--robot, --places or --behavior home)",
-            robot.model().name
-        )));
+    let goal = setup.behavior.sense_goals().next();
+    let goal = goal.map(|goal| format!("--behavior {}", goal.name()));
+    let log = args
+        .log
+        .as_ref()
+        .map(|path| format!("--log {}", path.display()));
+    match goal.or(log) {
+        Some(what) => Err(BadInput::new(format!(
+            "{what}: the controller at {} has no memory of places (it is in firmware with the feature places)",
+            remote.address()
+        ))),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 /// Receives the metrics of each world, in order.

@@ -42,8 +42,8 @@ The address with its token permits to steer, one page at a time; others watch. T
 /// Why a robot without places has no such goal.
 fn no_places(behavior: &Behavior) -> BadInput {
     BadInput::new(format!(
-        "--behavior {}: only in the simulator, with a memory of places in this process (not \
-         --places off, --mind, --nomad or --board)",
+        "--behavior {}: only in the simulator, with a memory of places (not with --places off, \
+         --nomad, --board or a controller at --mind that has none)",
         behavior.name()
     ))
 }
@@ -186,18 +186,23 @@ fn nomad(args: &ViewArgs, robot: &RobotAddress) -> Result<Box<dyn ViewSource>, B
 fn simulator(args: &ViewArgs) -> Result<Box<dyn ViewSource>, BadInput> {
     let start = start(args)?;
     let robot = start.setup.robot.as_ref();
-    let place = args.mind.place(start.setup.explore_moves, robot)?;
-    let has_places = robot.is_some_and(AnyRobot::is_led) && matches!(place, ControllerPlace::Host);
-    if start.setup.behavior.needs_places() && !has_places {
+    let mut place = args.mind.place(start.setup.explore_moves, robot)?;
+    let lacks_places = match &mut place {
+        ControllerPlace::Link(session, name) if robot.is_some() => {
+            let has_places = session.has_places();
+            !has_places.map_err(|error| BadInput::new(format!("{name}: {error}")))?
+        }
+        _ => false,
+    };
+    let is_led = !lacks_places && robot.is_some_and(AnyRobot::is_led);
+    if start.setup.behavior.needs_places() && !is_led {
         return Err(no_places(&start.setup.behavior));
     }
     let log = args.log.as_deref();
-    let is_remote = !matches!(place, ControllerPlace::Host);
-    if let (Some(robot), Some(log), true) = (robot, log, is_remote) {
+    if let Some(path) = log.filter(|_| lacks_places) {
         return Err(BadInput::new(format!(
-            "--log {}: with --mind only of the robot nomad200, not \"{}\"",
-            log.display(),
-            robot.model().name
+            "--log {}: the controller at --mind has no memory of places (it is in firmware with the feature places)",
+            path.display()
         )));
     }
     Ok(Box::new(Simulator::new(start, place, log)?))

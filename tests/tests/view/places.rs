@@ -1,6 +1,7 @@
 //! The memory of places on the page.
 
 use super::{fits, keep, keep_aside, number};
+use remote::link::{Machine, build_image};
 use serde_json::json;
 use tests::browser::Browser;
 use tests::host_sim;
@@ -59,6 +60,36 @@ fn a_robot_is_led_home_and_the_page_draws_its_places() {
     page.wait(&format!("({far})(view.now.pose, view.scene.start) < 0.1"));
     page.wait("!places.line.getAttribute('d')");
     a_click_on_the_floor_is_a_goal(&mut page);
+    assert_eq!(page.errors(), [""; 0]);
+}
+
+/// An emulated chip is the controller.
+#[test]
+fn a_chip_is_led_home_and_the_page_draws_its_places() {
+    let image = build_image(&Machine::OLIMEX_H405_PLACES).unwrap_or_else(|error| panic!("{error}"));
+    let image = image.display();
+    let flags = "--robot p3dx --behavior home --tour 500 --explore 40 --world office --speed max";
+    let flags = format!("{flags} --seed 3 --mind qemu --firmware {image}");
+    let viewed = Viewed::start(&host_sim!(), &flags);
+    let mut page = Browser::open(&viewed.steer);
+    page.set_dark(false);
+    page.resize(1400, 900);
+    page.wait("document.getElementById('seat').textContent.startsWith('you steer')");
+    page.wait("view.now.link === 'qemu' && document.getElementById('places-signs').offsetParent");
+    page.click("#explore");
+    page.wait("view.memory.length === 40 && view.now.mode === 'idle'");
+    page.click("#learn");
+    page.wait("view.maps.learned && view.now.mode === 'idle'");
+    page.click("#seek");
+    page.wait("view.places.places.length > 8 && view.now.way");
+    page.click("#pause");
+    page.wait("view.now.pace.paused");
+    its_places_are_drawn(&mut page);
+    keep_aside("view-chip-places.png", &mut page);
+    page.eval("document.getElementById('tour').value = '0', document.getElementById('tour').dispatchEvent(new Event('change'))");
+    page.wait("view.now.goal.tour[1] === 0");
+    page.click("#pause");
+    page.wait("view.now.mode === 'stopped' && view.now.note === 'home is reached'");
     assert_eq!(page.errors(), [""; 0]);
 }
 

@@ -147,26 +147,28 @@ impl AnyController {
     pub fn enabled(&self) -> Mask {
         match self {
             Self::Host(controller, _) => controller.enabled(),
-            Self::Link(remote) => remote.controller.enabled(),
+            Self::Link(remote) => (remote.controller.twin())
+                .map_or_else(|| remote.controller.enabled(), TurretController::enabled),
         }
     }
 
-    /// The controller in this process of a robot whose sensors stand anywhere.
+    /// The controller of a robot whose sensors stand anywhere; of a remote one with a memory of
+    /// places, that in this process which decides the same.
     #[must_use]
     pub fn as_turret(&self) -> Option<&TurretController> {
         match self {
             Self::Host(controller, _) => controller.as_turret(),
-            Self::Link(_) => None,
+            Self::Link(remote) => remote.controller.twin(),
         }
     }
 
-    /// Points and places of a robot in this process that its places lead to goals.
+    /// Points and places of a robot that its places lead to goals.
     #[must_use]
     pub fn led_turret(&self) -> Option<&SimTurret> {
         self.as_turret()?.led_turret()
     }
 
-    /// Random moves left of a robot in this process that finds its sensors.
+    /// Random moves left of a robot that finds its sensors.
     #[must_use]
     pub fn babble_moves_left(&self) -> Option<u16> {
         match self.as_turret()?.state().mode() {

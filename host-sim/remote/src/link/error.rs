@@ -2,6 +2,7 @@
 
 use super::display;
 use amp::controller::StopReason;
+use amp::units::Millis;
 use amp::wire::message::{Dimensions, Refusal, ResetCause};
 use amp::wire::{PROTOCOL, SCHEMA};
 use sim::error::EpisodeError;
@@ -51,6 +52,11 @@ pub enum LinkError {
         /// What differs.
         what: &'static str,
     },
+    /// The controller, which was told the same, decided otherwise than one in this process.
+    DecidesOtherwise {
+        /// When, by the time of the messages.
+        at: Millis,
+    },
 }
 
 impl LinkError {
@@ -99,6 +105,11 @@ impl fmt::Display for LinkError {
             Self::Mismatch { what } => {
                 write!(f, "the controller's {what} is not what was written to it")
             }
+            Self::DecidesOtherwise { at } => write!(
+                f,
+                "at {:.1} s the controller decided otherwise than this program does: build firmware and host-sim from the same version",
+                f64::from(at.as_ms()) / 1e3
+            ),
         }
     }
 }

@@ -22,6 +22,7 @@ mod queries;
 mod remote_controller;
 mod session;
 mod transport;
+mod twin;
 
 pub use address::{Address, BAUD};
 pub use any_controller::{AnyController, CachedRemote, ControllerPlace};

@@ -5,6 +5,7 @@
 
 mod heartbeats;
 
+use super::twin::Twin;
 use super::{Fingerprint, Knowledge, LinkError, Response, Session, next_number};
 use amp::config::Config;
 use amp::controller::{Command, Event, Motion, Outputs, StopReason};
@@ -21,6 +22,8 @@ use amp::wire::{HostMessage, message};
 use sim::error::EpisodeError;
 use sim::pilot::{AgedEcho, InspectableController, Pilot, SimState};
 use sim::robot::ToldRobot;
+use sim::senses::{Readings, SenseGoal};
+use sim::turret_pilot::TurretController;
 use std::borrow::BorrowMut;
 use std::time::{Duration, Instant};
 
@@ -37,6 +40,8 @@ pub struct RemoteController<S> {
     config: Config<16>,
     /// The robot, as it was told.
     robot: Option<ToldRobot>,
+    /// Of a robot with a memory of places.
+    twin: Option<Twin>,
     /// Transducers that the controller's fault detector has disabled.
     disabled: Mask,
     found: Fingerprint,
@@ -66,7 +71,9 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
         robot: Option<&ToldRobot>,
     ) -> Result<Self, LinkError> {
         let (found, fresh) = session.borrow_mut().open_fresh(number, config, robot)?;
+        let twin = twin(session.borrow_mut(), config, robot)?;
         Ok(Self {
+            twin,
             session,
             config: config.clone(),
             robot: robot.cloned(),
@@ -91,6 +98,7 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
         let session = self.session.borrow_mut();
         let number = next_number(session.number());
         (self.found, self.fresh) = session.open_fresh(number, config, self.robot.as_ref())?;
+        self.twin = twin(session, config, self.robot.as_ref())?;
         (self.config, self.disabled) = (config.clone(), Mask::NONE);
         (self.last_sent, self.motion, self.error) = (Millis::from_ms(0), None, None);
         self.thinking = false;
@@ -105,6 +113,9 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
         let bytes = Knowledge::encode_config(config)?;
         let session = self.session.borrow_mut();
         session.write_part(TransferPart::Config, &bytes)?;
+        if let Some(twin) = &mut self.twin {
+            twin.configure(config);
+        }
         (self.config, self.disabled) = (config.clone(), Mask::NONE);
         Ok(())
     }
@@ -113,6 +124,13 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
     #[must_use]
     pub fn config(&self) -> &Config<16> {
         &self.config
+    }
+
+    /// The controller in this process that decides the same, of a robot with a memory of places:
+    /// what it knows, this one does.
+    #[must_use]
+    pub fn twin(&self) -> Option<&TurretController> {
+        self.twin.as_ref().map(Twin::controller)
     }
 
     /// Transducers it uses.
@@ -314,7 +332,12 @@ impl<S: BorrowMut<Session>> Pilot for RemoteController<S> {
         if self.error.is_some() {
             return Outputs::NONE;
         }
-        let result = self.dispatch(at, event);
+        let mut result = self.dispatch(at, event);
+        if let (Ok(outputs), Some(twin)) = (&result, &mut self.twin)
+            && let Err(error) = twin.follow(at, event, outputs)
+        {
+            result = Err(error);
+        }
         self.record_error(result)
     }
 
@@ -329,7 +352,13 @@ impl<S: BorrowMut<Session>> Pilot for RemoteController<S> {
             None => batch(echoes, self.enabled()),
             Some(_) => 1,
         };
-        let result = self.send_echoes(at, echoes.get(..count).unwrap_or(echoes));
+        let sent = echoes.get(..count).unwrap_or(echoes);
+        let mut result = self.send_echoes(at, sent);
+        if let (Ok(outputs), Some(twin)) = (&result, &mut self.twin)
+            && let Err(error) = twin.follow_echoes(at, sent, outputs)
+        {
+            result = Err(error);
+        }
         (count, self.record_error(result))
     }
 
@@ -339,12 +368,32 @@ impl<S: BorrowMut<Session>> Pilot for RemoteController<S> {
         };
         let command = RobotCommand::Lead(robot.led(aim));
         match self.send_command(self.last_sent, command) {
-            Ok(_) => Ok(()),
+            Ok(_) => {
+                if let Some(twin) = &mut self.twin {
+                    twin.lead_to(aim);
+                }
+                Ok(())
+            }
             Err(LinkError::Refused(Refusal::NoPlaces)) => Err(EpisodeError::NoPlaces),
             Err(error) => {
                 self.error = Some(error.clone());
                 Err(EpisodeError::from(error))
             }
+        }
+    }
+
+    fn sense(&mut self, at: Millis, readings: &Readings) {
+        let twin = self.twin.as_mut().filter(|_| self.error.is_none());
+        if let Some(aim) = twin.and_then(|twin| twin.sense(at, readings)) {
+            // What fails is recorded.
+            let _ = self.lead_to(Some(aim));
+        }
+    }
+
+    fn seek_sense(&mut self, goal: Option<SenseGoal>) -> Result<(), EpisodeError> {
+        match &mut self.twin {
+            Some(twin) => twin.seek_sense(goal),
+            None => goal.map_or(Ok(()), |_| Err(EpisodeError::NoPlaces)),
         }
     }
 
@@ -365,6 +414,18 @@ impl<S: BorrowMut<Session>> InspectableController for RemoteController<S> {
         let bytes = self.session.borrow_mut().read_part(TransferPart::Body);
         Ok(BodySpec::from_bytes(&bytes.map_err(EpisodeError::from)?))
     }
+}
+
+/// The twin of the controller of this robot, if it has a memory of places.
+fn twin(
+    session: &mut Session,
+    config: &Config<16>,
+    robot: Option<&ToldRobot>,
+) -> Result<Option<Twin>, LinkError> {
+    Ok(match robot {
+        Some(robot) if session.has_places()? => Some(Twin::new(config, robot)),
+        _ => None,
+    })
 }
 
 /// Number of echoes for one frame.

@@ -3,6 +3,8 @@
 mod receive;
 
 use super::{Deadline, LinkError, Transport};
+use amp::places::Aim;
+use amp::units::Displacement;
 use amp::wire::message::{DeviceHello, DeviceMessage, Refusal, RobotCommand, Source};
 use amp::wire::{Frame, Header, HostMessage, Receiver, Report};
 use std::collections::VecDeque;
@@ -275,6 +277,20 @@ impl Session {
             ttl_ms: COMMAND_TTL_MS,
             command,
         })
+    }
+
+    /// Whether the controller has a memory of places: one without it refuses to be led home. From
+    /// then on nothing leads it.
+    ///
+    /// # Errors
+    /// [`LinkError`].
+    pub fn has_places(&mut self) -> Result<bool, LinkError> {
+        let home = Aim::Position(Displacement::ZERO);
+        match self.command(0, RobotCommand::Lead(Some(home))) {
+            Ok(_) => self.command(0, RobotCommand::Lead(None)).map(|_| true),
+            Err(LinkError::Refused(Refusal::NoPlaces)) => Ok(false),
+            Err(error) => Err(error),
+        }
     }
 
     /// Switches to the controller's own sonars. Returns false if it has none; then it waits for

@@ -10,7 +10,6 @@ use sim::error::EpisodeError;
 use sim::pilot::Pilot as _;
 use sim::senses::SenseGoal;
 use sim::sim_controller::SimController;
-use sim::turret_pilot::TurretController;
 use std::collections::VecDeque;
 
 /// Limit for the ticks of learning.
@@ -102,9 +101,10 @@ impl Replayer {
 
     /// Whether each tick is a step of learning or of finding sensors.
     fn thinks(&self) -> bool {
-        let turret = self.controller.as_turret();
-        matches!(self.controller.state().mode(), Mode::Learn { .. })
-            || turret.is_some_and(TurretController::is_solving)
+        match self.controller.as_turret() {
+            Some(turret) => turret.thinks(),
+            None => matches!(self.controller.state().mode(), Mode::Learn { .. }),
+        }
     }
 
     fn know(&mut self, hex: &str) -> Result<(), String> {

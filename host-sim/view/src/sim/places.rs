@@ -81,11 +81,11 @@ impl Simulator {
     }
 
     /// The way that its places lead it, if they do: the next sub-goal comes first.
-    pub(super) fn way(&mut self) -> Option<Vec<Xy>> {
+    pub(super) fn way(&self) -> Option<Vec<Xy>> {
         let stays = self.decision.is_some_and(|decision| decision.at_goal);
         let seeks = self.activity == SimulatorActivity::Seek && self.frames.is_current();
-        let is_led = self.controller.pilot().cached_state().ok()?.is_led();
-        if !seeks || stays || !is_led {
+        let turret = self.controller.inner().as_turret()?;
+        if !seeks || stays || !turret.state().is_led() {
             return None;
         }
         Some(self.seen_places()?.way())

@@ -6,6 +6,7 @@ use sim::behavior::{Behavior, Tour};
 use sim::episode;
 use sim::pilot::LocalController;
 
+mod device;
 mod places;
 mod senses;
 

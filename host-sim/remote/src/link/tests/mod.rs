@@ -25,6 +25,7 @@ use std::time::Duration;
 pub(super) mod floods;
 mod foreign_frames;
 mod saved;
+mod twin;
 
 fn setup(sonar: SonarModel, moves: u16, steps: u32) -> Setup {
     Setup {
