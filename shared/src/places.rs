@@ -137,14 +137,14 @@ impl Leg {
     };
 
     /// How far the robot goes at once: what the maps chose, but not past the end. Where a new way
-    /// leaves room and their move goes along it, it goes straight on, two steps: there are no
-    /// places yet by which it would correct its position. Where their moves did not lead on it goes
-    /// straight as well.
+    /// leaves room and their move goes along it, it goes straight on, two and a half steps: there
+    /// are no places yet by which it would correct its position. Where their moves did not lead on
+    /// it goes straight as well.
     pub(crate) fn stride(self, chosen: Displacement, step_mm: u16) -> Displacement {
         let aside = self.way.bearing().minus(chosen.bearing()).as_signed_turns();
         let is_along = chosen != Displacement::ZERO && aside.unsigned_abs() <= ALONG;
         if self.is_new && self.room_mm > 0 && is_along {
-            self.way.shortened(step_mm.saturating_mul(2))
+            self.way.shortened(step_mm.saturating_mul(5) / 2)
         } else if self.is_straight {
             self.way.shortened(step_mm)
         } else {
@@ -172,8 +172,8 @@ struct Frontier {
 
 /// A robot keeps as much room as its way leaves, millimeters.
 const ROOMS_MM: [u16; 4] = [400, 250, 150, 75];
-/// A move goes along a way within this angle: 22.5°.
-const ALONG: u16 = 1 << 12;
+/// A move goes along a way within this angle: 45°.
+const ALONG: u16 = 1 << 13;
 /// A place is new where no other is nearer while the robot looks for a position, millimeters.
 const CLOSE_MM: u16 = 250;
 /// No place.
@@ -195,6 +195,8 @@ pub struct Places<const SECTORS: usize, const RECORDS: usize> {
     is_straight: bool,
     /// Nothing was left where it had not been: it looks more closely.
     looks_closely: bool,
+    /// No place in sight leads to the goal, although it is known: narrow ways count as well.
+    is_cut_off: bool,
     /// Places before this one have been looked at for shorter open ways.
     reopened: u16,
     /// Where the situation that it seeks was found.
@@ -242,6 +244,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
             target: None,
             is_straight: false,
             looks_closely: false,
+            is_cut_off: false,
             reopened: 0,
             found: None,
             recent: Recent::NEW,
@@ -273,7 +276,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         (self.here, self.current) = (Displacement::ZERO, None);
         (self.frontier, self.frontier_age) = (None, 0);
         (self.target, self.found, self.recent) = (None, None, Recent::NEW);
-        (self.looks_closely, self.reopened) = (false, 0);
+        (self.looks_closely, self.is_cut_off, self.reopened) = (false, false, 0);
         self.stage = Stage::Done;
         (self.compass, self.traveled_mm) = (Compass::NEW, 0);
         self.lost.end();
@@ -294,7 +297,7 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
     pub fn seek_anew(&mut self) {
         self.graph.search_anew();
         (self.frontier, self.frontier_age) = (None, 0);
-        (self.target, self.found) = (None, None);
+        (self.target, self.found, self.is_cut_off) = (None, None, false);
     }
 
     /// Where the robot is, from the start.

@@ -42,6 +42,8 @@ pub struct VirtualTurret<const SECTORS: usize, const POINTS: usize, const RECORD
     odometer: Odometer,
     /// Sensors heard since the last motion ended, or since the last decision.
     fresh: Mask,
+    /// All sensors were heard while the base rolled.
+    heard_all: bool,
     /// When a sensor was heard last.
     heard_at: Millis,
     /// It was carried since.
@@ -94,6 +96,7 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
             is_led: false,
             odometer: Odometer::NEW,
             fresh: Mask::NONE,
+            heard_all: false,
             heard_at: Millis::from_ms(0),
             was_set_down: false,
             last_ring: [None; SECTORS],
@@ -118,7 +121,7 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
         self.places.forget();
         self.odometer = Odometer::NEW;
         (self.fresh, self.heard_at) = (Mask::NONE, Millis::from_ms(0));
-        self.was_set_down = false;
+        (self.was_set_down, self.heard_all) = (false, false);
         (self.last_ring, self.known) = ([None; SECTORS], Mask::NONE);
         (self.motion, self.course) = (None, Bearing::ZERO);
         (self.is_rolling, self.replans, self.knows_place) = (false, 0, false);
@@ -136,15 +139,6 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
     #[must_use]
     pub const fn ring(&self) -> &[Option<Range>; SECTORS] {
         &self.last_ring
-    }
-
-    /// Turns a motion from the frame of the start into the one that the base is to be told.
-    fn to_base(&self, actuation: &Actuation, motion: Motion) -> Motion {
-        let back = self.memory.heading().direction().mirrored();
-        Motion {
-            displacement: actuation.command(motion.displacement.rotated(back)),
-            ..motion
-        }
     }
 }
 
@@ -259,7 +253,7 @@ where
         let has_stopped = was_moving && !self.controller.is_moving();
         if has_stopped {
             self.turret.motion = None;
-            self.turret.fresh = Mask::NONE;
+            self.turret.fresh = self.turret.heard_on_way(outputs);
         }
         if has_stopped || outputs.mode_changed {
             self.turret.places.stop_thinking();
@@ -349,7 +343,7 @@ where
             self.controller.abandon_motion(self.at);
         }
         let (ring, known) = (self.turret.last_ring, self.turret.known);
-        self.turret.fresh = Mask::NONE;
+        (self.turret.fresh, self.turret.heard_all) = (Mask::NONE, false);
         self.controller.set_visible(known);
         self.controller.lead(leg);
         let mut outputs = Outputs::NONE;

@@ -77,14 +77,6 @@ const TABLES: &[(&str, &[u8])] = &[
 ];
 
 const CASES: &[Case] = &[
-    (
-        "run --behavior avoid --robot p3dx --log a.mcap --mind tcp:127.0.0.1:9",
-        &["--log", "--mind", "p3dx"],
-    ),
-    (
-        "run --behavior scent:strongest --mind qemu",
-        &["--mind", "scent:strongest"],
-    ),
     ("run --robot p3dx --tour 5", &["--tour", "home"]),
     ("run --robot p3dx --tour-by avoid", &["--tour-by", "home"]),
     ("run --robot p3dx --turned", &["--turned", "nest"]),

@@ -275,3 +275,26 @@ fn the_log_of_a_mind_at_a_link_replays_here() {
     assert_eq!(viewed.end(), Some(0));
     replays(&program, "far.mcap", "complete");
 }
+
+/// The controller of a ring on a held turret has none, as firmware without the feature `places`.
+#[test]
+fn a_device_without_places_is_neither_logged_behind_points_nor_sent_to_a_scent() {
+    let program = host_sim!();
+    let served = NodeServer::start(Config::recommended()).expect("a mind behind a socket");
+    let host = served.host();
+    for (command, named) in [
+        ("run --robot p3dx --log a.mcap", "--log a.mcap"),
+        ("run --behavior scent:strongest", "scent:strongest"),
+        ("view --robot p3dx --log a.mcap", "--log a.mcap"),
+        ("view --robot p3dx --behavior home", "--behavior home"),
+    ] {
+        let line = format!("{command} --mind tcp:{host}");
+        let args: Vec<&str> = line.split(' ').collect();
+        let output = program.run(&args);
+        assert_eq!(output.code, Some(2), "{line}");
+        for word in [named, "memory of places"] {
+            assert!(output.stderr.contains(word), "{word}: {}", output.stderr);
+        }
+        assert!(!program.folder().join("a.mcap").exists(), "{line}");
+    }
+}

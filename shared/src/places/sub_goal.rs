@@ -18,7 +18,8 @@ const STOP_MM: u16 = 20;
 const KEPT_MM: u16 = 300;
 /// A shorter way is none, millimeters.
 const LEAST_MM: u16 = 50;
-/// A goal that is known is looked for on ways that are free for so long, millimeters.
+/// A goal that is known is looked for on ways that are free for so long, millimeters, as long as
+/// there are any.
 const WIDE_MM: u16 = 1_000;
 /// What is sought by its situation may be at a place that recalls it rather than where the robot
 /// has not been: that costs so much more, millimeters.
@@ -76,6 +77,8 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
         (_, best): Candidate,
     ) -> Option<Displacement> {
         let index = (best != NOWHERE).then_some(best);
+        let has_position = matches!(self.purpose, Purpose::Lead(Aim::Position(_)));
+        self.is_cut_off |= has_position && index.is_none();
         let Some(index) = index.or_else(|| self.nearest_reached()) else {
             // Nothing is left: everything may be tried again.
             self.graph.search_anew();
@@ -234,7 +237,9 @@ impl<const SECTORS: usize, const RECORDS: usize> Places<SECTORS, RECORDS> {
                 let end = record.end_of(way.into());
                 let to_goal_mm = goal.map_or(0, |goal| goal.minus(end).length_mm());
                 let more_mm = match is_known {
-                    true if record.free.length_mm(way.into()) < WIDE_MM => continue,
+                    true if !self.is_cut_off && record.free.length_mm(way.into()) < WIDE_MM => {
+                        continue;
+                    }
                     true => to_goal_mm
                         .saturating_mul(2)
                         .saturating_add(limits.frontier_mm),

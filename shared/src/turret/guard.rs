@@ -5,7 +5,7 @@
 //! obstacle may stand, until later beams have seen through. Where it closes a way the robot takes a
 //! detour, as phantoms are found out from elsewhere only.
 
-use super::{Guard, RingController, Robot, VirtualTurret};
+use super::{Actuation, Guard, RingController, Robot, VirtualTurret};
 use crate::controller::{Motion, Outputs};
 use crate::points::{Beam, Lobe, Ray};
 use crate::shield::{Allowed, best_detour, shortest_possible_mm};
@@ -60,6 +60,15 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
     pub(super) fn touched(&mut self) {
         if let Some(nearest_mm) = self.memory.nearest_mm(self.course) {
             self.hull.touched(nearest_mm);
+        }
+    }
+
+    /// Turns a motion from the frame of the start into the one that the base is to be told.
+    pub(super) fn to_base(&self, actuation: &Actuation, motion: Motion) -> Motion {
+        let back = self.memory.heading().direction().mirrored();
+        Motion {
+            displacement: actuation.command(motion.displacement.rotated(back)),
+            ..motion
         }
     }
 

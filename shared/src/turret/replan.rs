@@ -21,6 +21,19 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
         !self.is_rolling && offset.as_signed_turns().unsigned_abs() <= TURNED
     }
 
+    /// Sensors that need not be heard again before the next decision. Where the robot looks for a
+    /// position those count that it heard on its way: it would stand there for as long as it rolls.
+    /// After a command or an alarm none does.
+    pub(super) fn heard_on_way(&self, outputs: &Outputs<SECTORS>) -> Mask {
+        if outputs.mode_changed || !self.places.looks_for_position() {
+            Mask::NONE
+        } else if self.heard_all {
+            Mask::ALL
+        } else {
+            self.fresh
+        }
+    }
+
     /// Whether a sector within 75° of the way is near, and clearly nearer than at the last
     /// decision.
     fn is_blocked(
@@ -50,6 +63,7 @@ where
     /// All sensors were heard during a motion.
     pub(super) fn ring_under_way(&mut self) -> Outputs<SECTORS> {
         self.turret.fresh = Mask::NONE;
+        self.turret.heard_all |= self.turret.is_rolling;
         let (ring, _) = self.turret.memory.ring(&self.body.points);
         if self.must_decide_again(&ring) {
             self.turret.replans = self.turret.replans.saturating_add(1);

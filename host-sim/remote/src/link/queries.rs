@@ -4,7 +4,7 @@ use super::knowledge::PLACES_PIECE;
 use super::{LinkError, Session};
 use amp::parameters::{Parameter, ParameterSpec};
 use amp::wire::HostMessage;
-use amp::wire::message::{Counters, DeviceMessage, MAX_CHUNK, ModeReport, Refusal, TransferPart};
+use amp::wire::message::{Counters, DeviceMessage, MAX_CHUNK, ModeReport, TransferPart};
 
 impl Session {
     /// Reads a whole part.

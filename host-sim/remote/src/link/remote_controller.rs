@@ -4,13 +4,13 @@
 //! link nor a slow chip changes the result of an episode.
 
 mod heartbeats;
+mod pilot;
 
 use super::twin::Twin;
 use super::{Fingerprint, Knowledge, LinkError, Response, Session, next_number};
 use amp::config::Config;
 use amp::controller::{Command, Event, Motion, Outputs, StopReason};
 use amp::fixed::Mask;
-use amp::places::Aim;
 use amp::som::Grid;
 use amp::turret::BodySpec;
 use amp::units::{Millis, Range};
@@ -20,9 +20,8 @@ use amp::wire::message::{
 };
 use amp::wire::{HostMessage, message};
 use sim::error::EpisodeError;
-use sim::pilot::{AgedEcho, InspectableController, Pilot, SimState};
+use sim::pilot::{AgedEcho, InspectableController, SimState};
 use sim::robot::ToldRobot;
-use sim::senses::{Readings, SenseGoal};
 use sim::turret_pilot::TurretController;
 use std::borrow::BorrowMut;
 use std::time::{Duration, Instant};
@@ -327,81 +326,6 @@ impl<S: BorrowMut<Session>> RemoteController<S> {
     }
 }
 
-impl<S: BorrowMut<Session>> Pilot for RemoteController<S> {
-    fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
-        if self.error.is_some() {
-            return Outputs::NONE;
-        }
-        let mut result = self.dispatch(at, event);
-        if let (Ok(outputs), Some(twin)) = (&result, &mut self.twin)
-            && let Err(error) = twin.follow(at, event, outputs)
-        {
-            result = Err(error);
-        }
-        self.record_error(result)
-    }
-
-    /// Sends in one frame all echoes up to the last enabled transducer: only that one can complete
-    /// the ring and cause a motion.
-    fn echoes(&mut self, at: Millis, echoes: &[AgedEcho]) -> (usize, Outputs<16>) {
-        if self.error.is_some() {
-            return (echoes.len(), Outputs::NONE);
-        }
-        // Each echo of a body's sensors may shorten its motion.
-        let count = match &self.robot {
-            None => batch(echoes, self.enabled()),
-            Some(_) => 1,
-        };
-        let sent = echoes.get(..count).unwrap_or(echoes);
-        let mut result = self.send_echoes(at, sent);
-        if let (Ok(outputs), Some(twin)) = (&result, &mut self.twin)
-            && let Err(error) = twin.follow_echoes(at, sent, outputs)
-        {
-            result = Err(error);
-        }
-        (count, self.record_error(result))
-    }
-
-    fn lead_to(&mut self, aim: Option<Aim>) -> Result<(), EpisodeError> {
-        let Some(robot) = &self.robot else {
-            return aim.map_or(Ok(()), |_| Err(EpisodeError::NoPlaces));
-        };
-        let command = RobotCommand::Lead(robot.led(aim));
-        match self.send_command(self.last_sent, command) {
-            Ok(_) => {
-                if let Some(twin) = &mut self.twin {
-                    twin.lead_to(aim);
-                }
-                Ok(())
-            }
-            Err(LinkError::Refused(Refusal::NoPlaces)) => Err(EpisodeError::NoPlaces),
-            Err(error) => {
-                self.error = Some(error.clone());
-                Err(EpisodeError::from(error))
-            }
-        }
-    }
-
-    fn sense(&mut self, at: Millis, readings: &Readings) {
-        let twin = self.twin.as_mut().filter(|_| self.error.is_none());
-        if let Some(aim) = twin.and_then(|twin| twin.sense(at, readings)) {
-            // What fails is recorded.
-            let _ = self.lead_to(Some(aim));
-        }
-    }
-
-    fn seek_sense(&mut self, goal: Option<SenseGoal>) -> Result<(), EpisodeError> {
-        match &mut self.twin {
-            Some(twin) => twin.seek_sense(goal),
-            None => goal.map_or(Ok(()), |_| Err(EpisodeError::NoPlaces)),
-        }
-    }
-
-    fn failure(&self) -> Option<EpisodeError> {
-        self.error.clone().map(EpisodeError::from)
-    }
-}
-
 impl<S: BorrowMut<Session>> InspectableController for RemoteController<S> {
     fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
         // The state does not change between messages, in any mode.
@@ -426,14 +350,6 @@ fn twin(
         Some(robot) if session.has_places()? => Some(Twin::new(config, robot)),
         _ => None,
     })
-}
-
-/// Number of echoes for one frame.
-fn batch(echoes: &[AgedEcho], enabled: Mask) -> usize {
-    let counts = |echo: &AgedEcho| enabled.contains(usize::from(echo.sensor));
-    let last = echoes.iter().rposition(counts);
-    // Without an enabled transducer after it, each echo may complete a ring that began earlier.
-    last.map_or(1, |last| last + 1).min(message::MAX_ECHOES)
 }
 
 #[cfg(test)]
@@ -502,14 +418,5 @@ mod tests {
             error.to_string(),
             "the controller has not learned within 60 s"
         );
-    }
-
-    #[test]
-    fn a_frame_ends_with_the_last_transducer_that_may_complete_the_ring() {
-        let echoes: [_; 16] = std::array::from_fn(|sensor| AgedEcho::now(sensor as u8, None));
-        assert_eq!(batch(&echoes, Mask::ALL), 16);
-        assert_eq!(batch(&echoes, Mask::ALL.without(15)), 15);
-        assert_eq!(batch(&echoes[15..], Mask::ALL.without(15)), 1);
-        assert_eq!(batch(&echoes, Mask::NONE), 1);
     }
 }

@@ -100,6 +100,23 @@ fn a_robot_goes_around_what_was_not_there_before_and_later_straight_again() {
     assert!(short_mm < 3_700.0, "{short_mm}");
 }
 
+/// Nothing that is wide open is left where it is.
+#[test]
+fn a_robot_that_is_cut_off_from_a_known_goal_tries_narrow_ways_as_well() {
+    let mut closed = TWO_ROOMS;
+    closed[4][3] = 2_000.0;
+    let goal = Aim::Position(to(2_000, 0));
+    let mut walker = Walker::<256>::new(&TWO_ROOMS, (-1_000.0, -1_400.0));
+    walker.go_to(to(2_000, 0));
+    walker.go_to(Displacement::ZERO);
+    (walker.walls, walker.stops) = (&closed, true);
+    let is_new = |leg: Option<Leg>| leg.is_some_and(|leg| leg.is_new);
+    let new = (0..150).filter(|_| is_new(walker.step(goal))).count();
+    assert!(walker.places.is_cut_off && new > 20, "{new}");
+    walker.places.seek_anew();
+    assert!(!walker.places.is_cut_off);
+}
+
 #[test]
 fn where_moves_lead_nowhere_it_goes_straight_before_it_gives_the_way_up() {
     let mut walker = Walker::<256>::new(&TWO_ROOMS, (-1_000.0, -1_400.0));

@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn on_a_new_way_with_room_the_robot_goes_two_steps_at_once() {
+fn on_a_new_way_with_room_the_robot_goes_two_and_a_half_steps_at_once() {
     let leg = Leg {
         way: to(900, 0),
         room_mm: 75,
@@ -12,14 +12,15 @@ fn on_a_new_way_with_room_the_robot_goes_two_steps_at_once() {
         is_last: false,
     };
     let chosen = to(230, 90);
-    assert_eq!(leg.stride(chosen, 250), to(500, 0));
+    assert_eq!(leg.stride(chosen, 250), to(625, 0));
+    assert_eq!(leg.stride(to(100, 98), 250), to(625, 0));
     let short = Leg {
         way: to(300, 0),
         ..leg
     };
     assert_eq!(short.stride(chosen, 250), to(300, 0));
-    // Farther aside than 22.5°, where it is narrow, or near the end, it goes as the maps chose.
-    assert_eq!(leg.stride(to(220, 100), 250), to(220, 100));
+    // Farther aside than 45°, where it is narrow, or near the end, it goes as the maps chose.
+    assert_eq!(leg.stride(to(98, 102), 250), to(98, 102));
     assert_eq!(leg.stride(Displacement::ZERO, 250), Displacement::ZERO);
     let narrow = Leg { room_mm: 0, ..leg };
     assert_eq!(narrow.stride(chosen, 250), chosen);

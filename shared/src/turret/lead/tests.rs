@@ -261,3 +261,59 @@ fn one_that_was_carried_begins_anew() {
         assert_eq!(rig.turret.memory().len() == 1, knows_it, "{is_told}");
     }
 }
+
+/// A robot that has begun to roll; its motion.
+fn rolling(aim: Aim) -> (Rig, Motion) {
+    let mut rig = Rig::new(None);
+    rig.turret.lead_to(Some(aim));
+    rig.ring([1_500; 16]);
+    let motion = rig.think_to_the_end().motion.expect("a motion");
+    rig.report(motion, Displacement::ZERO, Progress::Moving);
+    (rig, motion)
+}
+
+impl Rig {
+    /// So many echoes at rest until it thinks.
+    fn echoes_until_it_thinks(&mut self) -> usize {
+        let range = Some(Range::from_mm(1_500));
+        let mut sensors = (0..16).cycle();
+        let thinks = |sensor| {
+            let _ = self.handle(Event::Echo { sensor, range });
+            self.turret.is_thinking()
+        };
+        1 + sensors.position(thinks).unwrap_or(usize::MAX)
+    }
+}
+
+const FAR: Aim = Aim::Position(Displacement {
+    dx_mm: 9_000,
+    dy_mm: 0,
+});
+
+#[test]
+fn on_a_new_way_what_was_heard_while_the_base_rolled_counts() {
+    for (aim, needed) in [(FAR, 1), (Aim::Frontier, 16)] {
+        let (mut rig, motion) = rolling(aim);
+        rig.ring([1_500; 16]);
+        rig.report(motion, motion.displacement, Progress::Ended);
+        assert_eq!(rig.echoes_until_it_thinks(), needed, "{aim:?}");
+    }
+    // Sensors that were not heard on the way are heard at rest.
+    let (mut rig, motion) = rolling(FAR);
+    for sensor in 6..16 {
+        let range = Some(Range::from_mm(1_500));
+        let _ = rig.handle(Event::Echo { sensor, range });
+    }
+    rig.report(motion, motion.displacement, Progress::Ended);
+    assert_eq!(rig.echoes_until_it_thinks(), 6);
+    // The decision after that begins anew.
+    let motion = rig.think_to_the_end().motion.expect("a motion");
+    rig.report(motion, motion.displacement, Progress::Ended);
+    assert_eq!(rig.echoes_until_it_thinks(), 16);
+    // After a stop all are heard again.
+    let (mut rig, _) = rolling(FAR);
+    rig.ring([1_500; 16]);
+    rig.command(Command::Stop);
+    rig.command(Command::Resume);
+    assert_eq!(rig.echoes_until_it_thinks(), 16);
+}

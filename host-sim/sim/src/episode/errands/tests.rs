@@ -84,7 +84,7 @@ fn it_goes_to_each_place_and_home_in_each_round() {
 fn what_stands_in_the_way_comes_and_goes() {
     let (errands, stopped) = go(&ErrandPlan {
         obstacle: Some(Obstacle {
-            center: Point::new(0.0, -1.25),
+            center: Point::new(0.0, -1.2),
             radius_m: 0.5,
             every: 2,
         }),
