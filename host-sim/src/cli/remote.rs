@@ -187,6 +187,13 @@ pub(super) fn open(
     Ok(session)
 }
 
+/// The controller at `address` cannot do this without a memory of places.
+pub(super) fn needs_places(what: &str, address: &str) -> BadInput {
+    BadInput::new(format!(
+        "{what}: the controller at {address} has no memory of places (it is in firmware with the feature places)"
+    ))
+}
+
 /// An error of the connection to `address`.
 pub(super) fn named(address: &Address, error: &LinkError) -> BadInput {
     match error {

@@ -2,7 +2,7 @@
 
 use super::CliError;
 use super::output::{bar, pool, prepare};
-use super::remote::{MindArgs, MindChoice, Remote};
+use super::remote::{MindArgs, MindChoice, Remote, needs_places};
 use super::setup::SetupArgs;
 use super::summary;
 use amp::config::Config;
@@ -268,10 +268,7 @@ fn check_remote(args: &RunArgs, setup: &Setup, remote: &mut Remote) -> Result<()
         .as_ref()
         .map(|path| format!("--log {}", path.display()));
     match goal.or(log) {
-        Some(what) => Err(BadInput::new(format!(
-            "{what}: the controller at {} has no memory of places (it is in firmware with the feature places)",
-            remote.address()
-        ))),
+        Some(what) => Err(needs_places(&what, &remote.address().to_string())),
         None => Ok(()),
     }
 }

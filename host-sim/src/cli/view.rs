@@ -2,7 +2,7 @@
 
 use super::CliError;
 use super::bridge::{RobotAddress, held_turret_config, interrupt_flag, mind};
-use super::remote::{MindArgs, named, open};
+use super::remote::{MindArgs, named, needs_places, open};
 use super::run::{Preset, sources};
 use super::setup::{SetupArgs, parsed};
 use amp::config::Config;
@@ -187,23 +187,22 @@ fn simulator(args: &ViewArgs) -> Result<Box<dyn ViewSource>, BadInput> {
     let start = start(args)?;
     let robot = start.setup.robot.as_ref();
     let mut place = args.mind.place(start.setup.explore_moves, robot)?;
-    let lacks_places = match &mut place {
+    let placeless = match &mut place {
         ControllerPlace::Link(session, name) if robot.is_some() => {
             let has_places = session.has_places();
-            !has_places.map_err(|error| BadInput::new(format!("{name}: {error}")))?
+            let has_places =
+                has_places.map_err(|error| BadInput::new(format!("{name}: {error}")))?;
+            (!has_places).then(|| name.clone())
         }
-        _ => false,
+        _ => None,
     };
-    let is_led = !lacks_places && robot.is_some_and(AnyRobot::is_led);
+    let is_led = placeless.is_none() && robot.is_some_and(AnyRobot::is_led);
     if start.setup.behavior.needs_places() && !is_led {
         return Err(no_places(&start.setup.behavior));
     }
     let log = args.log.as_deref();
-    if let Some(path) = log.filter(|_| lacks_places) {
-        return Err(BadInput::new(format!(
-            "--log {}: the controller at --mind has no memory of places (it is in firmware with the feature places)",
-            path.display()
-        )));
+    if let (Some(path), Some(address)) = (log, placeless) {
+        return Err(needs_places(&format!("--log {}", path.display()), &address));
     }
     Ok(Box::new(Simulator::new(start, place, log)?))
 }

@@ -19,7 +19,7 @@ const KEPT_MM: u16 = 300;
 /// A shorter way is none, millimeters.
 const LEAST_MM: u16 = 50;
 /// A goal that is known is looked for on ways that are free for so long, millimeters, as long as
-/// there are any.
+/// any place in sight leads to it.
 const WIDE_MM: u16 = 1_000;
 /// What is sought by its situation may be at a place that recalls it rather than where the robot
 /// has not been: that costs so much more, millimeters.

@@ -22,8 +22,8 @@ impl<const SECTORS: usize, const POINTS: usize, const RECORDS: usize>
     }
 
     /// Sensors that need not be heard again before the next decision. Where the robot looks for a
-    /// position those count that it heard on its way: it would stand there for as long as it rolls.
-    /// After a command or an alarm none does.
+    /// position, those count that it heard on its way: otherwise it stands for half of the time.
+    /// After a command or an alarm none count.
     pub(super) fn heard_on_way(&self, outputs: &Outputs<SECTORS>) -> Mask {
         if outputs.mode_changed || !self.places.looks_for_position() {
             Mask::NONE

@@ -262,12 +262,18 @@ fn one_that_was_carried_begins_anew() {
     }
 }
 
-/// A robot that has begun to roll; its motion.
-fn rolling(aim: Aim) -> (Rig, Motion) {
+/// A robot that is led there; its first motion.
+fn led(aim: Aim) -> (Rig, Motion) {
     let mut rig = Rig::new(None);
     rig.turret.lead_to(Some(aim));
     rig.ring([1_500; 16]);
     let motion = rig.think_to_the_end().motion.expect("a motion");
+    (rig, motion)
+}
+
+/// The same, and it has begun to roll.
+fn rolling(aim: Aim) -> (Rig, Motion) {
+    let (mut rig, motion) = led(aim);
     rig.report(motion, Displacement::ZERO, Progress::Moving);
     (rig, motion)
 }
@@ -297,7 +303,16 @@ fn on_a_new_way_what_was_heard_while_the_base_rolled_counts() {
         rig.ring([1_500; 16]);
         rig.report(motion, motion.displacement, Progress::Ended);
         assert_eq!(rig.echoes_until_it_thinks(), needed, "{aim:?}");
+        // The decision after that begins anew.
+        let motion = rig.think_to_the_end().motion.expect("a motion");
+        rig.report(motion, motion.displacement, Progress::Ended);
+        assert_eq!(rig.echoes_until_it_thinks(), 16, "{aim:?}");
     }
+    // Nor does a ring while it steers: it has not moved.
+    let (mut rig, motion) = led(FAR);
+    rig.ring([1_500; 16]);
+    rig.report(motion, motion.displacement, Progress::Ended);
+    assert_eq!(rig.echoes_until_it_thinks(), 16);
     // Sensors that were not heard on the way are heard at rest.
     let (mut rig, motion) = rolling(FAR);
     for sensor in 6..16 {
@@ -306,10 +321,6 @@ fn on_a_new_way_what_was_heard_while_the_base_rolled_counts() {
     }
     rig.report(motion, motion.displacement, Progress::Ended);
     assert_eq!(rig.echoes_until_it_thinks(), 6);
-    // The decision after that begins anew.
-    let motion = rig.think_to_the_end().motion.expect("a motion");
-    rig.report(motion, motion.displacement, Progress::Ended);
-    assert_eq!(rig.echoes_until_it_thinks(), 16);
     // After a stop all are heard again.
     let (mut rig, _) = rolling(FAR);
     rig.ring([1_500; 16]);

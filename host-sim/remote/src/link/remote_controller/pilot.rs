@@ -17,12 +17,11 @@ impl<S: BorrowMut<Session>> Pilot for RemoteController<S> {
         if self.error.is_some() {
             return Outputs::NONE;
         }
-        let mut result = self.dispatch(at, event);
-        if let (Ok(outputs), Some(twin)) = (&result, &mut self.twin)
-            && let Err(error) = twin.follow(at, event, outputs)
-        {
-            result = Err(error);
-        }
+        let result = self.dispatch(at, event).and_then(|outputs| {
+            let twin = self.twin.as_mut();
+            twin.map_or(Ok(()), |twin| twin.follow(at, event, &outputs))?;
+            Ok(outputs)
+        });
         self.record_error(result)
     }
 
@@ -38,12 +37,11 @@ impl<S: BorrowMut<Session>> Pilot for RemoteController<S> {
             Some(_) => 1,
         };
         let sent = echoes.get(..count).unwrap_or(echoes);
-        let mut result = self.send_echoes(at, sent);
-        if let (Ok(outputs), Some(twin)) = (&result, &mut self.twin)
-            && let Err(error) = twin.follow_echoes(at, sent, outputs)
-        {
-            result = Err(error);
-        }
+        let result = self.send_echoes(at, sent).and_then(|outputs| {
+            let twin = self.twin.as_mut();
+            twin.map_or(Ok(()), |twin| twin.follow_echoes(at, sent, &outputs))?;
+            Ok(outputs)
+        });
         (count, self.record_error(result))
     }
 
