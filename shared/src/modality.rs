@@ -58,7 +58,7 @@ pub struct Record<const COMPONENTS: usize> {
     /// When last.
     pub last: Millis,
     /// Neuron of the map that stood for it when it was recorded.
-    neuron: u8,
+    pub neuron: u8,
     /// Something else is perceived there now.
     pub is_past: bool,
 }
@@ -141,10 +141,7 @@ impl<const COMPONENTS: usize, const RECORDS: usize> Modality<COMPONENTS, RECORDS
     /// than 0.25 m and show about the same; its values follow what is perceived within 0.1 m.
     /// Where something else is perceived there than before, that was so in the past.
     pub fn perceive(&mut self, values: &SituationBytes<COMPONENTS>, at: Displacement, now: Millis) {
-        let mut values = *values;
-        for value in &mut values {
-            *value = (*value).min(MAX_VALUE);
-        }
+        let values = values.map(|value| value.min(MAX_VALUE));
         let is_same = |record: &&mut Record<COMPONENTS>| {
             record.at.minus(at).is_shorter_than(SPACING_MM)
                 && difference(&record.values, &values) < SAME
@@ -179,6 +176,21 @@ impl<const COMPONENTS: usize, const RECORDS: usize> Modality<COMPONENTS, RECORDS
             last: now,
             neuron,
             is_past: false,
+        });
+    }
+
+    /// Adds a record of before, as long as there is room. The map learns of it as of a new one, and
+    /// finds its neuron.
+    pub fn restore(&mut self, record: Record<COMPONENTS>) {
+        if self.records.is_full() {
+            return;
+        }
+        let values = record.values.map(|value| value.min(MAX_VALUE));
+        let neuron = self.learn(&values);
+        let _ = self.records.push(Record {
+            values,
+            neuron,
+            ..record
         });
     }
 

@@ -9,6 +9,10 @@ use files::error::BadInput;
 use serde::{Deserialize, Serialize};
 use std::str::FromStr;
 
+mod saved;
+
+pub use saved::SavedSenses;
+
 /// Records of each modality.
 const RECORDS: usize = 256;
 /// Of what has one component only.
@@ -144,7 +148,9 @@ pub struct Senses {
     /// Where the robot was before.
     before: Option<Displacement>,
     search: Search,
-    latest: Option<(Readings, Millis)>,
+    latest: Option<Readings>,
+    /// When the sensors were read.
+    now: Millis,
 }
 
 impl Senses {
@@ -161,18 +167,19 @@ impl Senses {
         self.scent.perceive(&readings.scent, here, now);
         self.light.perceive(&readings.light, here, now);
         self.floor.perceive(&readings.floor, here, now);
-        self.latest = Some((*readings, now));
+        (self.latest, self.now) = (Some(*readings), now);
     }
 
     /// From now on this is looked for.
     pub fn seek(&mut self, goal: Option<SenseGoal>) {
         self.goal = goal;
         self.search = Search::default();
+        let now = self.now;
         self.before = match (goal, &self.latest) {
-            (Some(SenseGoal::Before(sense)), Some((readings, now))) => match sense {
-                Sense::Scent => before(&self.scent, &readings.scent, *now),
-                Sense::Light => before(&self.light, &readings.light, *now),
-                Sense::Floor => before(&self.floor, &readings.floor, *now),
+            (Some(SenseGoal::Before(sense)), Some(readings)) => match sense {
+                Sense::Scent => before(&self.scent, &readings.scent, now),
+                Sense::Light => before(&self.light, &readings.light, now),
+                Sense::Floor => before(&self.floor, &readings.floor, now),
             },
             _ => None,
         };

@@ -3,7 +3,7 @@
 use crate::error::EpisodeError;
 use crate::pilot::{AgedEcho, InspectableController, LocalController, Pilot, SimState};
 use crate::robot::{AnyRobot, MAX_BEAMS, ToldRobot};
-use crate::senses::{Readings, SenseGoal};
+use crate::senses::{Readings, SavedSenses, SenseGoal};
 use crate::turret_pilot::{SimBody, TurretController};
 use amp::config::Config;
 use amp::controller::{Event, Outputs};
@@ -91,6 +91,13 @@ impl SimController {
             }
             (Self::Turret(controller), Some(body)) => controller.replace(config, state, body),
             (Self::Ring(_), Some(_)) | (Self::Turret(_), None) => {}
+        }
+    }
+
+    /// As [`TurretController::restore_senses`]; one without places perceives nothing there.
+    pub fn restore_senses(&mut self, saved: &SavedSenses, at: Millis) {
+        if let Self::Turret(controller) = self {
+            controller.restore_senses(saved, at);
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::error::EpisodeError;
 use crate::pilot::{InspectableController, Pilot, SimState};
 use crate::ring_pilot::{Policy, RingPilot};
 use crate::robot::{AnyRobot, MAX_BEAMS, ToldRobot};
-use crate::senses::{Readings, SenseGoal, Senses};
+use crate::senses::{Readings, SavedSenses, SenseGoal, Senses};
 use amp::body::{Body as _, MountedSensors};
 use amp::config::Config;
 use amp::controller::{Command, Event, Mode, Outputs, State};
@@ -70,6 +70,11 @@ impl TurretController {
         let _ = self.body.lead_to(None);
         self.senses.forget();
         self.configure(config.clone());
+    }
+
+    /// It perceived this before, among the places that it has now; `at` is now.
+    pub fn restore_senses(&mut self, saved: &SavedSenses, at: Millis) {
+        self.senses.restore(saved, at);
     }
 
     /// The body, what it knows of itself, and its places.
@@ -258,9 +263,13 @@ impl Pilot for TurretController {
             state,
             ..
         } = self;
-        let begins_anew = matches!(event, Event::Command(Command::Explore { .. }));
+        let explores = matches!(event, Event::Command(Command::Explore { .. }));
+        let places = |body: &SimBody| body.turret().places().positions().len();
+        let known = places(body);
         let mut outputs = body.handle(config, state, at, event);
-        if begins_anew && outputs.refusal.is_none() {
+        // With too few places a robot that was carried begins anew, and so does their frame.
+        let begins_anew = known > 0 && places(body) == 0;
+        if begins_anew || (explores && outputs.refusal.is_none()) {
             self.senses.forget();
         }
         // In no simulated time.

@@ -126,6 +126,32 @@ fn the_map_orders_what_was_perceived() {
     assert!(worst < 0.12, "{worst}");
 }
 
+#[test]
+fn restored_records_are_recalled_and_learned_of_as_new_ones() {
+    let mut scent = Scent::new();
+    for (value, x_mm, when) in [(200, 0, 1), (20, 1_000, 2), (20, 20, 3), (60, 2_000, 4)] {
+        scent.perceive(&[value], at(x_mm, 0), s(when));
+    }
+    let mut restored = Scent::new();
+    for record in scent.records() {
+        restored.restore(Record {
+            neuron: 99,
+            ..*record
+        });
+    }
+    assert_eq!(restored, scent);
+    // No value is greater than the greatest, and none comes where there is no room.
+    let loud = Record {
+        values: [255],
+        ..scent.records()[0]
+    };
+    for _ in 0..9 {
+        restored.restore(loud);
+    }
+    assert_eq!(restored.records().len(), 8);
+    assert_eq!(restored.records()[4].values, [254]);
+}
+
 /// A memory that is stronger the farther to the right, and places without open ways.
 fn slope() -> (Scent, Places<16, 8>) {
     let mut scent = Scent::new();

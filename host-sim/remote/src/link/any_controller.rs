@@ -207,10 +207,9 @@ impl AnyController {
 
     /// Replaces configuration and knowledge by those of a robot of the same kind; only in this
     /// process.
-    pub fn replace(&mut self, knowledge: &Knowledge) {
+    pub fn replace(&mut self, knowledge: &Knowledge, at: Millis) {
         if let Self::Host(controller, _) = self {
-            let (config, state) = (knowledge.config(), knowledge.state());
-            controller.replace(config, state, knowledge.body());
+            knowledge.give_to(controller, at);
         }
     }
 
@@ -225,6 +224,9 @@ impl AnyController {
         }
         let state = self.cached_state()?.clone();
         let mut knowledge = Knowledge::of(self.config(), &state);
+        if let Some(twin) = self.as_turret() {
+            knowledge.add_senses(twin.senses().saved());
+        }
         if let Self::Link(remote) = self {
             remote.controller.read_body(&mut knowledge)?;
         }

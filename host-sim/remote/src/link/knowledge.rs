@@ -1,5 +1,7 @@
-//! Configuration, knowledge, body, places and goals of a controller as one file: the image of
-//! [`amp::store`].
+//! Configuration, knowledge, body, places and goals of a controller, and what a robot perceived
+//! beside ranges: read from a device, written to one, or kept in a [file](file).
+
+mod file;
 
 use super::{Fingerprint, LinkError, Session, next_number};
 use amp::body::Body as _;
@@ -8,18 +10,17 @@ use amp::config::MAX_CONFIG;
 use amp::controller::StatePart;
 use amp::goal::{Goal, Name, NamedGoal, NamedGoals};
 use amp::som::Grid;
-use amp::store::{Contents, ContentsMut};
 use amp::turret::BodySpec;
+use amp::units::Millis;
 use amp::wire::message::{
     Clock, DeviceMessage, GoalSpec, MAX_CHUNK, ModeReport, Refusal, RobotCommand, TransferPart,
 };
 use amp::wire::{CRC, HostMessage};
-use files::error::BadInput;
 use sim::pilot::SimState;
 use sim::robot::AnyRobot;
+use sim::senses::SavedSenses;
 use sim::sim_controller::SimController;
 use sim::turret_pilot::SimBody;
-use std::path::Path;
 
 /// The parts of the state, in the order of reading.
 const PARTS: [(TransferPart, StatePart); 4] = [
@@ -28,12 +29,6 @@ const PARTS: [(TransferPart, StatePart); 4] = [
     (TransferPart::Actions, StatePart::Actions),
     (TransferPart::Memory, StatePart::Memory),
 ];
-
-/// Maximum file size, bytes; an image has at most 132 KiB.
-const MAX_FILE_BYTES: u64 = 1 << 20;
-
-/// Generation of an image in a file.
-const GENERATION: u32 = 1;
 
 /// Bytes of places in one piece: whole places.
 pub(super) const PLACES_PIECE: usize = MAX_CHUNK / SimBody::PLACE_BYTES * SimBody::PLACE_BYTES;
@@ -47,6 +42,7 @@ pub struct Knowledge {
     body: Box<SimBody>,
     goal: Goal<16>,
     named_goals: NamedGoals<16>,
+    senses: SavedSenses,
 }
 
 impl Knowledge {
@@ -56,14 +52,26 @@ impl Knowledge {
         Self::new(config.clone(), state.clone())
     }
 
-    /// That of a controller in this process, with its body and its places.
+    /// That of a controller in this process, with its body, its places and what it perceived there.
     #[must_use]
     pub fn of_controller(controller: &SimController) -> Self {
         let mut knowledge = Self::of(controller.config(), controller.state());
         if let Some(turret) = controller.as_turret() {
             knowledge.body = Box::new(turret.body_state().clone());
+            knowledge.senses = turret.senses().saved();
         }
         knowledge
+    }
+
+    /// A controller of a robot of the same kind, in this process, gets all of it but the goals.
+    pub fn give_to(&self, controller: &mut SimController, at: Millis) {
+        controller.replace(&self.config, &self.state, self.body());
+        controller.restore_senses(&self.senses, at);
+    }
+
+    /// The robot perceived this beside ranges.
+    pub(super) fn add_senses(&mut self, senses: SavedSenses) {
+        self.senses = senses;
     }
 
     fn new(config: Config<16>, state: SimState) -> Self {
@@ -71,6 +79,7 @@ impl Knowledge {
             body: Box::default(),
             goal: Goal::avoiding(&config),
             named_goals: NamedGoals::new(),
+            senses: SavedSenses::default(),
             state: Box::new(state),
             config,
         }
@@ -281,70 +290,6 @@ impl Knowledge {
     #[must_use]
     pub fn samples(&self) -> usize {
         self.state.memory().samples().len()
-    }
-
-    /// The file's bytes.
-    #[must_use]
-    pub fn to_bytes(&self) -> Vec<u8> {
-        let contents = Contents {
-            body: &*self.body,
-            config: &self.config,
-            state: &self.state,
-            goal: &self.goal,
-            goals: &self.named_goals,
-        };
-        let mut file = Vec::new();
-        let Ok(()) = contents.write(GENERATION, &mut |bytes| {
-            file.extend_from_slice(bytes);
-            Ok::<_, std::convert::Infallible>(())
-        });
-        file
-    }
-
-    /// Decodes a file.
-    ///
-    /// # Errors
-    /// A clause that says what is wrong.
-    pub fn from_bytes(file: &[u8]) -> Result<Self, String> {
-        if !file.starts_with(b"AMPS") {
-            return Err("it holds no controller (see `host-sim link --help`, download)".into());
-        }
-        let fresh = SimState::new(Grid::rectangle(4, 4));
-        let mut knowledge = Self::new(Config::recommended(), fresh);
-        let mut contents = ContentsMut {
-            body: &mut *knowledge.body,
-            config: &mut knowledge.config,
-            state: &mut knowledge.state,
-            goal: &mut knowledge.goal,
-            goals: &mut knowledge.named_goals,
-        };
-        let mut read = |at: usize, out: &mut [u8]| {
-            let bytes = file.get(at..at + out.len());
-            bytes.map(|bytes| out.copy_from_slice(bytes)).is_some()
-        };
-        match contents.read(&mut read, file.len()) {
-            Ok(found) if found.bytes == file.len() => Ok(knowledge),
-            Ok(_) => Err("there are bytes after its end".into()),
-            Err(fault) => Err(fault.to_string()),
-        }
-    }
-
-    /// Writes the file, completely or not at all.
-    ///
-    /// # Errors
-    /// When it cannot be written.
-    pub fn save(&self, path: &Path) -> Result<(), BadInput> {
-        let written = files::write(path, &self.to_bytes());
-        written.map_err(|error| BadInput::file(path, format!("cannot be written: {error}")))
-    }
-
-    /// Reads a file.
-    ///
-    /// # Errors
-    /// When it cannot be read or holds no controller.
-    pub fn load(path: &Path) -> Result<Self, BadInput> {
-        let file = files::read(path, MAX_FILE_BYTES)?;
-        Self::from_bytes(&file).map_err(|why| BadInput::file(path, why))
     }
 }
 

@@ -37,7 +37,7 @@ impl LoggedController {
     /// Replaces configuration and knowledge; only in this process.
     pub fn load(&mut self, at: Millis, knowledge: &Knowledge) {
         if self.inner().is_local() {
-            self.pilot().replace(knowledge);
+            self.pilot().replace(knowledge, at);
             self.log_change(at, EventKind::Know(hex(&knowledge.to_bytes())));
         }
     }

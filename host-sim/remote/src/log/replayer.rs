@@ -62,7 +62,7 @@ impl Replayer {
             }
             EventKind::Ticks { count, done } => self.tick(at, *count, *done, &mut on_outputs),
             EventKind::Configure(config) => self.controller.configure((**config).clone()),
-            EventKind::Know(hex) => self.know(hex)?,
+            EventKind::Know(hex) => self.know(hex, at)?,
             EventKind::LeadTo(aim) => told(self.controller.lead_to(*aim))?,
             EventKind::Sense(readings) => self.controller.sense(at, readings),
             EventKind::SeekSense(goal) => {
@@ -107,11 +107,10 @@ impl Replayer {
         }
     }
 
-    fn know(&mut self, hex: &str) -> Result<(), String> {
+    fn know(&mut self, hex: &str, at: Millis) -> Result<(), String> {
         let bytes = unhex(hex).ok_or("knowledge: not in hexadecimal")?;
         let knowledge = Knowledge::from_bytes(&bytes).map_err(|why| format!("knowledge: {why}"))?;
-        let (config, state) = (knowledge.config(), knowledge.state());
-        self.controller.replace(config, state, knowledge.body());
+        knowledge.give_to(&mut self.controller, at);
         Ok(())
     }
 

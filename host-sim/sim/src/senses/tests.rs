@@ -199,6 +199,45 @@ fn all_modalities_are_forgotten() {
     assert_eq!(counts(&senses), [0; 3]);
 }
 
+/// A clock that begins anew, and one that has run for long.
+#[test]
+fn what_is_restored_is_as_old_as_it_was() {
+    let readings = |light: f64| {
+        let sensed = Sensed {
+            scent: 0.5,
+            light,
+            floor: [0.1, 0.5, 0.9],
+        };
+        Readings::of(&sensed, || 1.0)
+    };
+    let at = |dx_mm| Displacement { dx_mm, dy_mm: 0 };
+    let second = |s: u32| Millis::from_ms(1_000 * s);
+    let mut senses = Senses::default();
+    for (light, x_mm, when) in [(0.9, 0, 100), (0.8, 1_000, 160), (0.0, 2_000, 190)] {
+        senses.perceive(&readings(light), at(x_mm), second(when));
+    }
+    let saved = senses.saved();
+    for now in [second(0), second(5_000), Millis::from_ms(u32::MAX - 9)] {
+        let mut restored = Senses::default();
+        restored.perceive(&readings(0.4), at(9_000), second(1));
+        restored.restore(&saved, now);
+        assert_eq!(restored.saved(), saved);
+        for goal in [SenseGoal::Scent, SenseGoal::Light, SenseGoal::Floor("red")] {
+            assert_eq!(restored.remembered(goal), senses.remembered(goal));
+        }
+        let last = |senses: &Senses, now: Millis| {
+            let records = senses.light.records().iter();
+            let ages = records.map(|record| [now.after(record.first), now.after(record.last)]);
+            Vec::from_iter(ages)
+        };
+        assert_eq!(last(&restored, now), [[90_000; 2], [30_000; 2], [0; 2]]);
+        // Before it got dark it was at the second one.
+        restored.perceive(&readings(0.0), at(2_000), now);
+        restored.seek(Some(SenseGoal::Before(Sense::Light)));
+        assert_eq!(restored.before, Some(at(1_000)));
+    }
+}
+
 /// By the end of the tour alone the robot is at none of these sources.
 #[test]
 fn a_robot_goes_to_what_it_has_come_upon() {

@@ -2,6 +2,7 @@
 
 use super::*;
 use amp::body::Body as _;
+use sim::senses::SavedSenses;
 use sim::sim_controller::SimController;
 
 fn device() -> Session {
@@ -72,6 +73,50 @@ fn body_and_places_go_from_one_device_to_another_through_a_file() {
     pupil.command(0, RobotCommand::Forget).unwrap();
     let forgotten = pupil.read_part(TransferPart::Places).unwrap();
     assert!(forgotten.is_empty());
+}
+
+/// What was perceived beside ranges follows the image.
+#[test]
+fn senses_are_read_from_a_file_whole_or_not_at_all() {
+    let (_, setup) = robot();
+    let world = World::builtin("office").unwrap();
+    let setup = Setup {
+        behavior: "scent:strongest".parse().unwrap(),
+        ..setup
+    };
+    let mut mind = SimController::new(&setup.config, setup.robot.as_ref());
+    run_with(&world, &setup, &mut mind, |_, _, _| {}).unwrap();
+    let sound = Knowledge::of_controller(&mind).to_bytes();
+    let senses = |mind: &SimController| mind.as_turret().unwrap().senses().saved();
+    let read = |file: &[u8]| {
+        let mut other = SimController::new(&setup.config, setup.robot.as_ref());
+        let knowledge = Knowledge::from_bytes(file).unwrap();
+        knowledge.give_to(&mut other, Millis::from_ms(7));
+        senses(&other)
+    };
+    assert_eq!(read(&sound), senses(&mind));
+
+    let image = sound.windows(4).rposition(|four| four == b"AMPM").unwrap();
+    assert!(sound.len() > image + 500, "{} bytes", sound.len() - image);
+    let why = |file: &[u8]| Knowledge::from_bytes(file).unwrap_err();
+    for index in image..sound.len() {
+        let mut file = sound.clone();
+        file[index] ^= 0x10;
+        assert!(why(&file).contains("bytes after its end") || index >= image + 4);
+        let cut = why(&sound[..index.max(image + 1)]);
+        assert!(cut.contains("end") || cut.contains("damaged"), "{cut}");
+    }
+    assert_eq!(
+        why(&sound[..sound.len() - 1]),
+        "what it perceived beside ranges is damaged"
+    );
+    // Sound in itself, and too long.
+    let mut long = sound[image..sound.len() - 4].to_vec();
+    long.push(0);
+    let crc = amp::wire::CRC.checksum(&long);
+    let file = [&sound[..image], &long, &crc.to_le_bytes()].concat();
+    assert!(why(&file).contains("damaged"));
+    assert_eq!(read(&sound[..image]), SavedSenses::default());
 }
 
 #[test]

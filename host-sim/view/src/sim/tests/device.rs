@@ -1,6 +1,6 @@
 //! A device with a memory of places, on the page.
 
-use super::places::{places, start};
+use super::places::{places, saved, start};
 use super::*;
 use sim::turret_pilot::SimBody;
 
@@ -74,6 +74,15 @@ fn a_device_is_led_and_shown_as_the_controller_in_this_process() {
     pair.execute(&PageCommand::GoalPosition { x: 1.0, y: 1.0 });
     pair.drive(5);
     pair.seek("scent:strongest", 20, 25);
+    pair.execute(&PageCommand::Stop);
+    // What the host perceived for the device is saved as well.
+    let senses = pair.both.each_mut().map(|simulator| {
+        let file = saved(simulator);
+        let (_, senses) = file.rsplit_once("414d504d").unwrap();
+        senses.to_owned()
+    });
+    assert_eq!(senses[0], senses[1]);
+    assert!(senses[0].len() > 500, "{}", senses[0].len());
     pair.execute(&PageCommand::MoveRobot { x: 1.0, y: 0.5 });
     pair.seek("nest", 0, 10);
     assert!(pair.led > 50, "led {} times", pair.led);

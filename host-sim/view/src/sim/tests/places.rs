@@ -59,7 +59,7 @@ fn count(places: &Value, what: &str) -> usize {
 }
 
 /// The mind as it is saved.
-fn saved(simulator: &mut Simulator) -> String {
+pub(super) fn saved(simulator: &mut Simulator) -> String {
     match simulator.execute(&PageCommand::SaveMind).unwrap() {
         CommandOutcome::File(file) => file.hex.unwrap(),
         _ => panic!("no file"),

@@ -1,6 +1,6 @@
 //! What can be perceived beside ranges.
 
-use super::places::{assert_driven_as_in_an_episode, part, places, start};
+use super::places::{assert_driven_as_in_an_episode, part, places, saved, seeks, start};
 use super::*;
 use serde_json::Value;
 
@@ -82,4 +82,48 @@ fn a_source_is_shown_moved_and_remembered() {
     simulator.execute(&red).unwrap();
     let kinds = source(&mut simulator);
     assert_eq!([&kinds[0]["kind"], &kinds[1]["kind"]], ["floor", "scent"]);
+}
+
+fn remembered(simulator: &mut Simulator) -> Vec<Value> {
+    let sensed = places(simulator)["sensed"].take();
+    sensed.as_array().unwrap().clone()
+}
+
+/// Another robot reads what it perceived, and goes there as soon as it knows where it is.
+#[test]
+fn what_was_perceived_is_saved_and_leads_another_robot() {
+    let mut first = simulator(SonarModel::Nomad, "scent:strongest", 300);
+    first.execute(&PageCommand::Seek).unwrap();
+    decide(&mut first, 301);
+    let known = remembered(&mut first);
+    assert!(known.len() > 50, "{}", known.len());
+    let hex = saved(&mut first);
+    let source = first.body.world().sources().scents[0].position;
+
+    let mut second = simulator(SonarModel::Nomad, "scent:strongest", 0);
+    second.execute(&PageCommand::LoadMind { hex }).unwrap();
+    assert_eq!(saved(&mut second).len(), saved(&mut first).len());
+    second.execute(&PageCommand::Seek).unwrap();
+    while seeks(&second) {
+        decide(&mut second, 1);
+    }
+    assert!(remembered(&mut second).len() >= known.len());
+    let place = second.body.pose().position;
+    assert!(place.distance(source) < 0.6, "{place:?} {source:?}");
+}
+
+/// Where it has too few places to find out where it is, nothing says where it perceived what.
+#[test]
+fn a_robot_that_begins_anew_forgets_what_it_perceived() {
+    let mut simulator = simulator(SonarModel::Ideal, "scent:strongest", 0);
+    simulator.execute(&PageCommand::Seek).unwrap();
+    decide(&mut simulator, 10);
+    let known = remembered(&mut simulator).len();
+    assert!(known > 3, "{known}");
+    let Point { x, y } = simulator.body.pose().position;
+    let aside = PageCommand::MoveRobot { x: x + 0.3, y };
+    simulator.execute(&aside).unwrap();
+    decide(&mut simulator, 1);
+    let left = remembered(&mut simulator).len();
+    assert!(left <= 2, "{left} of {known}");
 }
