@@ -302,7 +302,7 @@ where
         if seen.is_some() {
             self.hear_near(&ray, &beam);
             (self.turret.memory).hear_along(&self.body.points, &ray, beam.is_echo);
-        } else if self.turret.places.looks_for_position() {
+        } else if self.looks_for_position() {
             self.hear_nothing(&ray);
         }
     }

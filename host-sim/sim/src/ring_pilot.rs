@@ -62,6 +62,11 @@ pub trait Policy {
     /// The next displacement, m in the ring's current frame, at most [`STEP_M`] long.
     fn decide(&mut self, perceived: &Perception) -> Point;
 
+    /// As [`RingController::looks_for_position`].
+    fn looks_for_position(&self) -> bool {
+        false
+    }
+
     /// Size of its memory in the simulator, bytes.
     fn bytes(&self) -> usize {
         size_of_val(self)
@@ -346,6 +351,10 @@ impl<P: Policy> RingController<16> for RingPilot<P> {
 
     fn awaits_ring(&self) -> bool {
         !self.moving
+    }
+
+    fn looks_for_position(&self) -> bool {
+        self.policy.looks_for_position()
     }
 
     fn await_ring(&mut self, _: Millis) {

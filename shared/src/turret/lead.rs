@@ -140,6 +140,10 @@ where
         }
     }
 
+    pub(super) fn looks_for_position(&self) -> bool {
+        self.turret.places.looks_for_position() || self.controller.looks_for_position()
+    }
+
     /// As [`VirtualTurret::turn_frame`], and what its guard keeps.
     pub(super) fn turn_frame(&mut self, turn: Bearing) {
         self.turret.turn_frame(turn);

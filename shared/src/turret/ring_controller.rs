@@ -39,6 +39,12 @@ pub trait RingController<const SECTORS: usize> {
         false
     }
 
+    /// Whether it goes to a position by a rule of its own: silence counts then, as for a robot that
+    /// its places lead to one.
+    fn looks_for_position(&self) -> bool {
+        false
+    }
+
     /// The age of an echo heard at `at` that is not to be used, milliseconds; `None` = use it.
     fn stale_ms(&self, _config: &Config<SECTORS>, _at: Millis) -> Option<u32> {
         None

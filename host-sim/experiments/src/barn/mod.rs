@@ -4,12 +4,15 @@
 //! ([`barn`](arena::loaders::barn)). Rules and score: X. Xiao et al., IEEE Robotics & Automation
 //! Magazine 29(4), 2022, 148–156.
 
+mod known_way;
 mod led;
 mod routes;
 mod seeker;
 
 pub use routes::{RoutePanel, routes};
 pub use seeker::{Seeker, SeekerTuning};
+
+use known_way::KnownWay;
 
 use crate::baselines::{PotentialField, VfhPlus, potential_field, vfh_plus};
 
@@ -27,6 +30,7 @@ use sim::episode::{self, Body, Seeds, Setup};
 use sim::error::EpisodeError;
 use sim::pilot::{LocalController, Pilot};
 use sim::ring_pilot::{Perception, Policy, RingPilot, STEP_M, Steerable};
+use sim::turret_pilot::TurretPolicy;
 use std::fmt::Display;
 
 /// A run succeeds within this distance of the goal, m.
@@ -63,17 +67,20 @@ pub enum BarnMethod {
     PotentialField,
     /// Straight toward the goal as far as the shield allows
     Straight,
+    /// The widest way, known beforehand, as far as the guard of `places` allows
+    KnownWay,
 }
 
 impl BarnMethod {
     /// All methods.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Places,
         Self::Maps,
         Self::MapsUntold,
         Self::VfhPlus,
         Self::PotentialField,
         Self::Straight,
+        Self::KnownWay,
     ];
 
     /// Its name.
@@ -86,6 +93,7 @@ impl BarnMethod {
             Self::VfhPlus => "vfh-plus",
             Self::PotentialField => "potential-field",
             Self::Straight => "straight",
+            Self::KnownWay => "known-way",
         }
     }
 }
@@ -186,6 +194,13 @@ pub fn run(
             body(),
             Homing::new(StraightLine(course), shield, known_target),
         ),
+        BarnMethod::KnownWay => {
+            let robot = led::robot(shield)?;
+            let policy = KnownWay::new(world)?;
+            let pilot = TurretPolicy::new(robot.config(rules.config.clone()), &robot, policy);
+            let body = Body::of_robot(world, &robot, rules.sonar, noise_seed);
+            drive(goal, body, pilot)
+        }
     })
 }
 

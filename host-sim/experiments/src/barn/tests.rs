@@ -64,6 +64,7 @@ fn an_empty_field_is_crossed_by_all_that_are_told() {
         BarnMethod::VfhPlus,
         BarnMethod::PotentialField,
         BarnMethod::Straight,
+        BarnMethod::KnownWay,
     ] {
         let run = run(&world, method, &rules(true), 0).unwrap();
         assert_eq!(run.end, RunEnd::Reached, "{method:?}");
@@ -105,6 +106,39 @@ fn places_lead_out_of_a_pocket_in_which_the_bearing_alone_stays() {
         .map(|method| run(&world, method, &rules(false), 0).unwrap().end);
     assert_eq!(places, RunEnd::Reached);
     assert_eq!([maps, vfh], [RunEnd::TimedOut; 2]);
+    // Who knows of it goes around.
+    let known = run(&world, BarnMethod::KnownWay, &rules(true), 0).unwrap();
+    assert_eq!(known.end, RunEnd::Reached);
+    assert!(
+        known
+            .places
+            .iter()
+            .all(|place| (place.x + 2.0).abs() > 0.9 || place.y < 5.8 || place.y > 7.7)
+    );
+}
+
+/// The way through the wider one of two gaps is longer.
+#[test]
+fn who_knows_the_field_takes_the_wider_way_and_its_guard_may_close_that() {
+    let wall = |gaps: [(f64, f64); 2]| {
+        let posts = (0..59).map(|i| (-0.075 - 0.075 * f64::from(i), 8.0));
+        let is_open = |x: f64| {
+            gaps.iter()
+                .any(|(least, most)| (*least..*most).contains(&x))
+        };
+        field(&Vec::from_iter(posts.filter(|(x, _)| !is_open(*x))))
+    };
+    let crossed = |world: &World| {
+        let run = run(world, BarnMethod::KnownWay, &rules(true), 0).unwrap();
+        let place = run.places.iter().find(|place| place.y > 8.0);
+        (run.end, place.map(|place| place.x < -2.5))
+    };
+    let wide = wall([(-2.4, -1.6), (-4.1, -2.7)]);
+    assert_eq!(crossed(&wide), (RunEnd::Reached, Some(true)));
+    // 0.85 m are wide enough for the body and its margin, 0.72 m, but not as its sonars hear it.
+    let narrow = wall([(-3.9, -2.9), (0.0, 0.0)]);
+    assert!(shortest(&narrow, 0.09).unwrap().is_some());
+    assert_eq!(crossed(&narrow), (RunEnd::TimedOut, None));
 }
 
 #[test]
@@ -145,7 +179,7 @@ fn a_closed_field_has_no_way_and_a_run_repeats_itself() {
         .collect();
     let world = field(&[across, below].concat());
     assert_eq!(shortest(&world, 0.0).unwrap(), None);
-    for method in [BarnMethod::Places, BarnMethod::Maps] {
+    for method in [BarnMethod::Places, BarnMethod::Maps, BarnMethod::KnownWay] {
         let [a, b] = [(); 2].map(|()| run(&world, method, &rules(true), 3).unwrap());
         assert_eq!(a.end, RunEnd::TimedOut, "{method:?}");
         assert_eq!(a, b);

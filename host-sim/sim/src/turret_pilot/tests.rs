@@ -1,15 +1,19 @@
-use super::TurretController;
+use super::{TurretController, TurretPolicy};
 use crate::behavior::{Behavior, Tour, TourBy};
 use crate::episode::{Episode, Setup, run, run_with};
 use crate::goal_file::GoalFile;
+use crate::pilot::Pilot as _;
+use crate::ring_pilot::{Perception, Policy};
 use crate::robot::{AnyRobot, Miswiring, Origin, Ranges};
 use amp::config::Config;
+use amp::controller::Event;
 use amp::fixed::Mask;
+use amp::units::{Millis, Range};
 use arena::loaders::rooms;
 use arena::robot::TurretMode;
 use arena::robot_model::RobotModel;
 use arena::sonar::SonarModel;
-use arena::world::World;
+use arena::world::{Point, World};
 
 fn scrambled(name: &str) -> AnyRobot {
     let model = RobotModel::builtin(name).expect("built in");
@@ -411,4 +415,36 @@ fn what_the_commands_do_is_learned_from_random_moves() {
     };
     assert_eq!(contacts(Origin::Learned), 0);
     assert!(contacts(Origin::Known) > 10);
+}
+
+/// Stands, and may look for a position.
+struct Stands(bool);
+
+impl Policy for Stands {
+    fn decide(&mut self, _: &Perception) -> Point {
+        Point::default()
+    }
+
+    fn looks_for_position(&self) -> bool {
+        self.0
+    }
+}
+
+/// It stands where it heard what its first sonar now hears no more.
+#[test]
+fn silence_counts_for_a_rule_that_looks_for_a_position() {
+    for looks in [false, true] {
+        let model = RobotModel::builtin("nomad200").expect("built in");
+        let robot = AnyRobot::new(model, Ranges::Own, true).expect("it fits");
+        let config = robot.config(Config::recommended());
+        let mut pilot = TurretPolicy::new(config, &robot, Stands(looks));
+        let hear = |pilot: &mut TurretPolicy<Stands>, range: Option<u16>| {
+            let (sensor, range) = (0, range.map(Range::from_mm));
+            let _ = pilot.handle(Millis::from_ms(1), Event::Echo { sensor, range });
+            pilot.turret.memory().len()
+        };
+        let heard = hear(&mut pilot, Some(2_000));
+        assert_eq!(heard, 1);
+        assert_eq!(hear(&mut pilot, None) < heard, looks);
+    }
 }
