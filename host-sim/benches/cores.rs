@@ -52,6 +52,7 @@ fn seconds(pool: &ThreadPool, worlds: &[World]) -> f64 {
         robot: None,
         set_down: None,
         faults: Vec::new(),
+        goal: None,
         second_robot: false,
         record: false,
     };

@@ -29,6 +29,7 @@ fn seeking() -> Simulator {
             robot: None,
             set_down: None,
             faults: Vec::new(),
+            goal: None,
             second_robot: false,
             record: false,
         },

@@ -271,7 +271,7 @@ pub fn goal(bytes: &[u8]) {
     if let Ok(text) = std::str::from_utf8(bytes)
         && let Ok(file) = GoalFile::read(text, "hostile.toml")
     {
-        let _ = (file.goal(), file.place());
+        let _ = (file.goal, file.place());
     }
 }
 

@@ -50,6 +50,34 @@ fn every_behavior_runs_in_every_world() {
     }
 }
 
+/// A built-in goal and one of a file are the same data.
+#[test]
+fn the_goal_of_a_behavior_does_the_same_from_a_file() {
+    let program = host_sim!();
+    for name in ["avoid", "avoid-right", "wall-left", "wall-right", "follow"] {
+        let file = format!("{name}.toml");
+        let text = program.ok(&format!("goal {name}"));
+        std::fs::write(program.folder().join(&file), &text).expect("a file");
+        let flags = format!("--world office --behavior {name} --steps 200");
+        let own = line(&program, &flags);
+        let mut of_file = line(&program, &format!("{flags} --goal {file}"));
+        assert_eq!(of_file["behavior"], format!("{name} by {file}"));
+        of_file["behavior"] = name.into();
+        assert_eq!(of_file, own);
+        // Sought as a situation, it is the same goal again.
+        let again = program.ok(&format!("goal seek:{file}"));
+        let goal = |text: &str| text.split_once("frame").expect("a frame").1.to_owned();
+        assert_eq!(goal(&again), goal(&text));
+    }
+    // Another goal does something else, by the measure of the behavior.
+    let flags = "--world office --behavior wall-left --steps 200";
+    let left = line(&program, flags);
+    let wrong = line(&program, &format!("{flags} --goal wall-right.toml"));
+    assert_eq!(wrong["success_unit"], left["success_unit"]);
+    assert!(figure(&wrong, "success") > 0.3, "{wrong}");
+    assert!(figure(&left, "success") < 0.2, "{left}");
+}
+
 /// A wall is followed for 100 decisions before the next goal: until then the chain equals its first
 /// part.
 #[test]

@@ -43,6 +43,7 @@ fn drive(robot: &AnyRobot, sonar: SonarModel) -> Driven {
             robot: Some(robot.clone()),
             set_down: None,
             faults: Vec::new(),
+            goal: None,
             second_robot: false,
             record: false,
         };

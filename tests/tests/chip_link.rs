@@ -60,7 +60,7 @@ fn a_goal_file_is_what_the_chip_pursues(
         echoes: (0..16).map(heard).collect(),
     }));
     let file = GoalFile::load(&program.folder().join("wall.toml")).expect("a goal");
-    let goal = file.goal();
+    let goal = file.goal;
     assert_eq!(theirs, Some(decided_here(mind, goal)));
     let other = Goal::avoiding(mind.config());
     assert_ne!(theirs, Some(decided_here(mind, other)));

@@ -29,6 +29,7 @@ fn verdicts(room: u64, sonar: SonarModel, faults: &[&str]) -> (Vec<SensorVerdict
         robot: None,
         set_down: None,
         faults: faults.collect(),
+        goal: None,
         second_robot: false,
         record: false,
     };

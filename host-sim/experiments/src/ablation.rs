@@ -275,6 +275,7 @@ fn mind(
         robot: None,
         set_down: None,
         faults: Vec::new(),
+        goal: None,
         second_robot: false,
         record: false,
     };

@@ -134,6 +134,7 @@ fn setup(scene: &BehaviorScene, trial: &BehaviorTrial, world: &World, seed: u64)
         robot: trial.robot.clone(),
         set_down: scene.set_down.map(|place| place(seed)),
         faults: Vec::new(),
+        goal: None,
         second_robot: false,
         record: false,
     }

@@ -250,6 +250,7 @@ fn setup(
         robot: robot.cloned(),
         set_down: None,
         faults: Vec::new(),
+        goal: None,
         second_robot: false,
         record: false,
     }

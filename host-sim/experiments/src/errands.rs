@@ -156,6 +156,7 @@ fn in_world(trial: &ErrandTrial, world: &World) -> Result<WorldErrands, EpisodeE
         seed: trial.seed,
         sonar: trial.sonar,
         faults: Vec::new(),
+        goal: None,
         second_robot: false,
         turret: TurretMode::Held,
         robot: Some(trial.robot.clone()),

@@ -121,6 +121,7 @@ fn course(
         robot: None,
         set_down: None,
         faults: fault.into_iter().collect(),
+        goal: None,
         second_robot: false,
         record: false,
     };

@@ -5,6 +5,7 @@
 use crate::goal_file::GoalFile;
 use crate::senses::SenseGoal;
 use amp::config::Config;
+use amp::fixed::Weight;
 use amp::goal::{Goal, Side};
 use amp::places::Aim;
 use amp::scan::Situation;
@@ -166,10 +167,20 @@ impl Behavior {
             // Its places lead it.
             Self::Sense { .. } => Goal::avoiding(config),
             Self::Follow => Goal::following(range(LEADER_RANGE_M), config),
-            Self::Seek(file) => file.goal(),
+            Self::Seek(file) => file.goal,
             Self::Chain(parts) => parts
                 .first()
                 .map_or_else(|| Goal::avoiding(config), |part| part.goal(config, nest)),
+        }
+    }
+
+    /// The goal of one that asks for the same wherever it begins; `None` for those that are of a
+    /// place or of several goals.
+    #[must_use]
+    pub fn fixed_goal(&self, config: &Config<16>) -> Option<Goal<16>> {
+        match self {
+            Self::Nest { .. } | Self::Home { .. } | Self::Sense { .. } | Self::Chain(_) => None,
+            fixed => Some(fixed.goal(config, &[Weight::ZERO; 16])),
         }
     }
 

@@ -1,4 +1,5 @@
-//! Goal situations as files, for `run --behavior seek:FILE`, `link goal FILE` and `capture`.
+//! Goal situations as files, for `run --behavior seek:FILE` and `--goal FILE`, `link goal FILE`,
+//! `capture` and `goal`.
 //!
 //! A file holds either a perceived situation:
 //!
@@ -21,16 +22,26 @@
 //! at_most = 0.1
 //! weight = 2              # weight of a deviation; 1 by default
 //! ```
+//!
+//! Either may say more of the goal, as [`Goal`] has it; by default it is a place to be:
+//!
+//! ```toml
+//! frame = "travel"        # sonar 0 looks where the robot goes; or "ring"
+//! progress = 0.04         # a whole step ahead counts as much as this squared deviation, below 1
+//! heading_hold = 0.005    # so does keeping the heading
+//! cap = 0.333             # greatest deviation that counts
+//! tolerance = 0.035       # the goal holds up to this deviation: root of the mean square
+//! ```
 
 use amp::fixed::{Mask, Weight};
-use amp::goal::{Component, Goal};
+use amp::goal::{Component, Goal, GoalFrame};
 use amp::scan::Situation;
 use arena::world::{MAX_COORDINATE_M, Point};
 use files::error::BadInput;
 use files::read_text;
 use files::toml_reader::{Keyed, TomlText, TwoNumbers};
 use serde::Deserialize;
-use std::ops::Range;
+use std::ops;
 use std::path::Path;
 use toml::Spanned;
 
@@ -42,8 +53,8 @@ const MAX_FILE_BYTES: u64 = 1 << 20;
 pub struct GoalFile {
     /// The file's name.
     pub path: String,
-    /// Bounds for each sonar.
-    pub components: [Component; 16],
+    /// The goal.
+    pub goal: Goal<16>,
     /// Where the situation was captured, millimeters, if known.
     pub place_mm: Option<[i32; 2]>,
 }
@@ -54,6 +65,18 @@ struct GoalToml {
     situation: Option<Spanned<Vec<Spanned<f64>>>>,
     place_m: Option<Spanned<TwoNumbers>>,
     sonar: Option<Vec<Keyed<SonarBounds>>>,
+    frame: Option<FrameName>,
+    progress: Option<Spanned<f64>>,
+    heading_hold: Option<Spanned<f64>>,
+    cap: Option<Spanned<f64>>,
+    tolerance: Option<Spanned<f64>>,
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum FrameName {
+    Ring,
+    Travel,
 }
 
 #[derive(Debug, Deserialize)]
@@ -66,7 +89,7 @@ struct SonarBounds {
 }
 
 /// Position in the text, if it is at one place, and a description.
-type ParseError = (Option<Range<usize>>, String);
+type ParseError = (Option<ops::Range<usize>>, String);
 
 impl GoalFile {
     /// What was known of a situation at a place.
@@ -75,7 +98,7 @@ impl GoalFile {
         let millimeters = |m: f64| libm::rint(m * 1e3) as i32;
         Self {
             path: path.to_owned(),
-            components: Goal::perceived(situation).for_known(known).components,
+            goal: Goal::perceived(situation).for_known(known),
             place_mm: Some([place.x, place.y].map(millimeters)),
         }
     }
@@ -95,21 +118,15 @@ impl GoalFile {
     /// As [`GoalFile::load`].
     pub fn read(text: &str, name: &str) -> Result<Self, BadInput> {
         let text = TomlText { text, source: name };
-        let (components, place_mm) = parse(text.read()?).map_err(|(at, what)| match at {
+        let (goal, place_mm) = parse(text.read()?).map_err(|(at, what)| match at {
             Some(at) => text.error(at, what),
             None => BadInput::file(name.as_ref(), what),
         })?;
         Ok(Self {
             path: name.to_owned(),
-            components,
+            goal,
             place_mm,
         })
-    }
-
-    /// The goal: to be at the place.
-    #[must_use]
-    pub fn goal(&self) -> Goal<16> {
-        Goal::place(self.components)
     }
 
     /// Where the situation was captured, meters.
@@ -140,17 +157,93 @@ pub fn text(situation: &Situation<16>, known: Mask, place: Point, remark: &str) 
     )
 }
 
-type Parsed = ([Component; 16], Option<[i32; 2]>);
+/// Text of a goal file for any goal; `remark` becomes a comment.
+#[must_use]
+pub fn whole_text(goal: &Goal<16>, remark: &str) -> String {
+    let frame = match goal.frame {
+        GoalFrame::Ring => "ring",
+        GoalFrame::Travel => "travel",
+    };
+    let share = |q16: u16| f64::from(q16) / 65_536.0;
+    let value = |weight: Weight| weight.to_num::<f64>();
+    let mut text = format!(
+        "# {remark}\nframe = {frame:?}\nprogress = {:?}\nheading_hold = {:?}\ncap = {:?}\ntolerance = {:?}\n",
+        share(goal.progress_q16),
+        share(goal.heading_hold_q16),
+        value(goal.cap),
+        value(goal.tolerance),
+    );
+    let mut said = [false; 16];
+    for (first, component) in goal.components.iter().enumerate() {
+        if said[first] || component.weight == 0 {
+            continue;
+        }
+        let alike = (0..16).filter(|sonar| goal.components[*sonar] == *component);
+        let numbers: Vec<_> = alike.collect();
+        for sonar in &numbers {
+            said[*sonar] = true;
+        }
+        let Component { low, high, weight } = component;
+        text += &format!(
+            "[[sonar]]\nnumbers = {numbers:?}\nat_least = {:?}\nat_most = {:?}\nweight = {weight}\n",
+            value(*low),
+            value(*high),
+        );
+    }
+    text
+}
+
+type Parsed = (Goal<16>, Option<[i32; 2]>);
 
 fn parse(file: GoalToml) -> Result<Parsed, ParseError> {
     let place = file.place_m.as_ref().map(place).transpose()?;
+    let components = components(&file, place.is_some())?;
+    let mut goal = Goal::place(components);
+    if let Some(FrameName::Travel) = file.frame {
+        goal.frame = GoalFrame::Travel;
+    }
+    for (preference, key, given) in [
+        (&mut goal.progress_q16, "progress", &file.progress),
+        (
+            &mut goal.heading_hold_q16,
+            "heading_hold",
+            &file.heading_hold,
+        ),
+    ] {
+        if let Some(number) = given {
+            let q16 = libm::rint(share(key, number)? * 65_536.0);
+            *preference = q16.min(f64::from(u16::MAX)) as u16;
+        }
+    }
+    for (deviation, key, given) in [
+        (&mut goal.cap, "cap", &file.cap),
+        (&mut goal.tolerance, "tolerance", &file.tolerance),
+    ] {
+        if let Some(number) = given {
+            *deviation = Weight::from_num(share(key, number)?);
+        }
+    }
+    Ok((goal, place))
+}
+
+/// A number from 0 to 1.
+fn share(key: &str, number: &Spanned<f64>) -> Result<f64, ParseError> {
+    let value = *number.get_ref();
+    if (0.0..=1.0).contains(&value) {
+        return Ok(value);
+    }
+    let what = format!("{key} must lie in 0..=1, not {value}");
+    Err((Some(number.span()), what))
+}
+
+fn components(file: &GoalToml, has_place: bool) -> Result<[Component; 16], ParseError> {
     match (&file.situation, &file.sonar) {
-        (Some(values), None) => Ok((situation(values)?, place)),
-        (None, Some(_)) if place.is_some() => {
+        (Some(values), None) => situation(values),
+        (None, Some(_)) if has_place => {
             let what = "place_m goes with a situation, not with [[sonar]]";
             Err((None, what.to_owned()))
         }
-        (None, Some(sonars)) => Ok((bounds(sonars)?, None)),
+        (None, Some(sonars)) => bounds(sonars),
         _ => {
             let what = "a goal file holds either a situation of 16 values or some [[sonar]]";
             Err((None, what.to_owned()))
@@ -236,6 +329,9 @@ fn component(sonar: &SonarBounds) -> Result<Component, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use amp::config::Config;
+    use amp::goal::Side;
+    use amp::units::Range;
 
     fn read(text: &str) -> Result<GoalFile, String> {
         GoalFile::read(text, "g.toml").map_err(|error| error.to_string())
@@ -246,7 +342,7 @@ mod tests {
         let text = "[[sonar]]\nnumbers = [4]\nat_least = 0.5\nat_most = 0.75\n\
                     [[sonar]]\nnumbers = [15, 0]\nat_most = 0.25\nweight = 2\n";
         let file = read(text).unwrap();
-        let components = file.components;
+        let components = file.goal.components;
         let left = Component {
             low: Weight::from_num(0.5),
             high: Weight::from_num(0.75),
@@ -268,7 +364,7 @@ mod tests {
         let known = Mask::ALL.without(3);
         let written = text(&perceived, known, Point::new(1.5, -0.25), "as perceived");
         let file = read(&written).unwrap();
-        for (sonar, (component, value)) in file.components.iter().zip(perceived).enumerate() {
+        for (sonar, (component, value)) in file.goal.components.iter().zip(perceived).enumerate() {
             let expected = if sonar == 3 {
                 Component::ANY
             } else {
@@ -279,6 +375,41 @@ mod tests {
         assert_eq!(file.place_mm, Some([1_500, -250]));
     }
 
+    /// Those of the behaviors, in both frames.
+    #[test]
+    fn any_goal_comes_back_to_the_bit() {
+        let config = Config::recommended();
+        let range = Range::from_mm(600);
+        let mut odd = Goal::wall(Side::Left, range, &config);
+        (odd.progress_q16, odd.heading_hold_q16) = (u16::MAX, 1);
+        (odd.cap, odd.tolerance) = (Weight::from_bits(1), Weight::ONE);
+        for goal in [
+            Goal::avoiding(&config),
+            Goal::wall(Side::Right, range, &config),
+            Goal::passing(Side::Right, range, &config),
+            Goal::following(range, &config),
+            Goal::perceived(&[Weight::from_bits(17); 16]),
+            odd,
+        ] {
+            let file = read(&whole_text(&goal, "a goal")).unwrap();
+            assert_eq!((file.goal, file.place_mm), (goal, None));
+        }
+    }
+
+    #[test]
+    fn a_file_that_says_no_more_is_a_place_to_be() {
+        let sonar = "[[sonar]]\nnumbers = [4]\nat_most = 0.5\n";
+        let place = read(sonar).unwrap().goal;
+        assert_eq!(place, Goal::place(place.components));
+        let more = |key: &str| read(&format!("{key}\n{sonar}")).unwrap().goal;
+        assert_eq!(more("frame = \"travel\"").frame, GoalFrame::Travel);
+        assert_eq!(more("frame = \"ring\""), place);
+        assert_eq!(more("progress = 0.25").progress_q16, 16_384);
+        assert_eq!(more("heading_hold = 0.5").heading_hold_q16, 32_768);
+        assert_eq!(more("cap = 0.5").cap, Weight::from_num(0.5));
+        assert_eq!(more("tolerance = 0.25").tolerance, Weight::from_num(0.25));
+    }
+
     #[test]
     fn a_bad_goal_is_refused_by_name_and_line() {
         let sixteen = |value: &str| format!("\nsituation = [{}]\n", [value; 16].join(", "));
@@ -287,6 +418,21 @@ mod tests {
             ("sonar = []", None, "asks for nothing"),
             ("[[sonar]]\nnumbers = []\n", None, "asks for nothing"),
             ("[[sonar]]\nnumbers = [16]\n", Some(2), "no sonar 16"),
+            (
+                "frame = \"travle\"\n[[sonar]]\nnumbers = [1]\n",
+                Some(1),
+                "travel",
+            ),
+            (
+                "\nprogress = 1.5\n[[sonar]]\nnumbers = [1]\nat_most = 0\n",
+                Some(2),
+                "progress must lie in 0..=1, not 1.5",
+            ),
+            (
+                "tolerance = nan\n[[sonar]]\nnumbers = [1]\nat_most = 0\n",
+                Some(1),
+                "tolerance must lie in 0..=1, not NaN",
+            ),
             (
                 "[[sonar]]\nnumbers = [1]\nat_least = 2\n",
                 Some(2),

@@ -451,6 +451,7 @@ mod tests {
             seed: 7,
             sonar: SonarModel::Ideal,
             faults: Vec::new(),
+            goal: None,
             second_robot: false,
             turret: TurretMode::Held,
             robot: None,

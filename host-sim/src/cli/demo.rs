@@ -66,6 +66,7 @@ pub fn demo(args: &DemoArgs, out: &mut impl Write) -> Result<(), CliError> {
         robot: None,
         set_down: None,
         faults: Vec::new(),
+        goal: None,
         second_robot: false,
         record: true,
     };

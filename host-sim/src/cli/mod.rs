@@ -14,6 +14,7 @@ mod compare;
 mod demo;
 mod errands;
 mod faults;
+mod goal;
 mod learn;
 mod link;
 mod log;
@@ -91,6 +92,8 @@ enum CliCommand {
     Bodies(bodies::BodiesArgs),
     /// Write the situation at a pose: a goal for `run --behavior seek:FILE` and `link goal FILE`
     Capture(capture::CaptureArgs),
+    /// Print the goal of a behavior as a file, for `run --goal FILE` and `link goal FILE`
+    Goal(goal::GoalArgs),
     /// Measure whether a behavior improves by repetition, compared with frozen maps
     Repetition(repetition::RepetitionArgs),
     /// Send a robot from place to place, again and again, while its world changes
@@ -185,6 +188,7 @@ fn execute(command: Option<CliCommand>, out: &mut impl Write) -> Result<(), CliE
         Some(CliCommand::Ablation(args)) => ablation::ablation(&args, out),
         Some(CliCommand::Behaviors(args)) => behaviors::behaviors(&args, out),
         Some(CliCommand::Capture(args)) => capture::capture(&args, out),
+        Some(CliCommand::Goal(args)) => goal::goal(&args, out),
         Some(CliCommand::Repetition(args)) => repetition::repetition(&args, out),
         Some(CliCommand::Errands(args)) => errands::errands(&args, out),
         Some(CliCommand::Faults(args)) => faults::faults(&args, out),

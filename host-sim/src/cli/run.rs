@@ -1,6 +1,7 @@
 //! `host-sim run`: runs episodes in any worlds and prints their metrics.
 
 use super::CliError;
+use super::goal;
 use super::output::{bar, pool, prepare};
 use super::remote::{MindArgs, MindChoice, Remote, needs_places};
 use super::setup::SetupArgs;
@@ -40,6 +41,10 @@ pub struct RunArgs {
     worlds: Vec<String>,
     #[command(flatten)]
     setup: SetupArgs,
+    /// Pursue the goal of this FILE instead of the behavior's own, by whose measure the robot is
+    /// judged (see `host-sim goal`); with avoid, avoid-right, wall-left, wall-right, nest or follow
+    #[arg(long, value_name = "FILE")]
+    goal: Option<PathBuf>,
     /// Decisions toward the goal
     #[arg(long, value_name = "STEPS", default_value_t = 1_000, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_STEPS)))]
     steps: u32,
@@ -70,9 +75,11 @@ impl RunArgs {
     /// # Errors
     /// An unknown setting or an invalid value.
     pub(super) fn setup(&self) -> Result<Setup, BadInput> {
+        let setup = self.setup.setup()?;
         Ok(Setup {
             steps: self.steps,
-            ..self.setup.setup()?
+            goal: goal::of_file(self.goal.as_deref(), &setup.behavior)?,
+            ..setup
         })
     }
 }

@@ -214,6 +214,7 @@ impl SetupArgs {
             robot,
             set_down: None,
             faults: self.faults.clone(),
+            goal: None,
             second_robot: self.second_robot,
             record: false,
         })

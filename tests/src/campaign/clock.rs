@@ -115,6 +115,7 @@ fn setup(seed: u64, number: u64) -> Setup {
         robot: None,
         set_down: None,
         faults: Vec::new(),
+        goal: None,
         second_robot: false,
         record: false,
     }

@@ -112,6 +112,7 @@ fn setup(seed: u64, sonar: SonarModel) -> Setup {
         robot: None,
         set_down: None,
         faults: Vec::new(),
+        goal: None,
         second_robot: false,
         record: false,
     }

@@ -133,6 +133,7 @@ fn episode(
         robot: None,
         set_down: None,
         faults: Vec::new(),
+        goal: None,
         second_robot: false,
         record: false,
     };

@@ -226,6 +226,7 @@ fn learning(rules: &RunConditions, seed: u64) -> Setup {
         robot: None,
         set_down: None,
         faults: Vec::new(),
+        goal: None,
         second_robot: false,
         record: false,
     }

@@ -240,6 +240,7 @@ impl MeasuredSite<'_> {
             // Every method is measured from the world's start.
             set_down: Some(self.world.start().position),
             faults: Vec::new(),
+            goal: None,
             second_robot: false,
             record: false,
         };

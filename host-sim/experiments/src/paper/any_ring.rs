@@ -225,6 +225,7 @@ mod tests {
             robot: None,
             set_down: None,
             faults: Vec::new(),
+            goal: None,
             second_robot: false,
             record: false,
         };

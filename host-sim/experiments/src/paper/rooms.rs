@@ -56,6 +56,7 @@ pub fn setup(reading: &PaperReading, behavior: Behavior, seed: u64, steps: u32) 
         robot: None,
         set_down: None,
         faults: Vec::new(),
+        goal: None,
         second_robot: false,
         record: true,
     }

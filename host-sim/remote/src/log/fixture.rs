@@ -25,6 +25,7 @@ pub fn setup(sonar: SonarModel) -> Setup {
         robot: None,
         set_down: None,
         faults: Vec::new(),
+        goal: None,
         second_robot: false,
         record: false,
     }

@@ -202,6 +202,7 @@ mod tests {
                 robot: None,
                 set_down: None,
                 faults: Vec::new(),
+                goal: None,
                 second_robot: false,
                 record: true,
             };

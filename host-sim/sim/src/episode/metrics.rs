@@ -87,7 +87,7 @@ impl Metrics {
 pub struct EpisodeReport {
     /// World.
     pub world: String,
-    /// Behavior.
+    /// Behavior, and the file with its goal, if it has one.
     pub behavior: String,
     /// Robot: [`AnyRobot::label`](crate::robot::AnyRobot::label), `nomad200` for the Nomad.
     pub robot: String,
@@ -164,7 +164,7 @@ impl EpisodeReport {
         let (success, success_unit) = measure.success(&setup.behavior, seeking);
         Self {
             world: world.name().to_owned(),
-            behavior: setup.behavior.name(),
+            behavior: setup.task(),
             robot: setup
                 .robot
                 .as_ref()

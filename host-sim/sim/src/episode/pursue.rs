@@ -105,6 +105,9 @@ impl EpisodeRunner<'_> {
             if matches!(part, Behavior::Nest { .. } | Behavior::Home { .. }) {
                 goal = goal.for_known(self.nest_known);
             }
+            if let Some(file) = &setup.goal {
+                goal = file.goal;
+            }
             self.command(pilot, Command::Seek(goal))?;
             let begun = self.metrics.clone();
             // A single behavior uses all steps; in a chain each decision may be the last.

@@ -77,7 +77,7 @@ impl StepRecorder {
         let situations = self.situations();
         Recording {
             world: world.clone(),
-            behavior: setup.behavior.name(),
+            behavior: setup.task(),
             preset: setup.preset.clone(),
             seed: setup.seed,
             bearings_rad: (0..16).map(|i| f64::from(i) * TAU / 16.0).collect(),

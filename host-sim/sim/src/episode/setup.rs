@@ -1,6 +1,7 @@
 //! The conditions of an episode.
 
 use crate::behavior::Behavior;
+use crate::goal_file::GoalFile;
 use crate::robot::AnyRobot;
 use amp::config::Config;
 use arena::robot::TurretMode;
@@ -16,6 +17,8 @@ pub struct Setup {
     pub preset: String,
     /// Behavior after exploring.
     pub behavior: Behavior,
+    /// Its goal is pursued instead of the behavior's own; the behavior says how it is measured.
+    pub goal: Option<Box<GoalFile>>,
     /// Random moves, 1 … [`MAX_MOVES`](crate::pilot::MAX_MOVES).
     pub explore_moves: u16,
     /// Decisions towards the goal, at least 1.
@@ -44,6 +47,16 @@ impl Setup {
     pub fn calibration_moves(&self) -> u16 {
         let robot = self.robot.as_ref();
         robot.map_or(0, |robot| robot.calibration_moves(self.explore_moves))
+    }
+
+    /// The name of the behavior, and of the file with its goal.
+    #[must_use]
+    pub fn task(&self) -> String {
+        let behavior = self.behavior.name();
+        match &self.goal {
+            Some(file) => format!("{behavior} by {}", file.path),
+            None => behavior,
+        }
     }
 
     /// The same with another behavior.

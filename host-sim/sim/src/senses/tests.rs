@@ -36,6 +36,7 @@ fn setup(behavior: Behavior, sonar: SonarModel) -> Setup {
         seed: 1,
         sonar,
         faults: Vec::new(),
+        goal: None,
         second_robot: false,
         turret: TurretMode::Held,
         robot: Some(robot),

@@ -40,6 +40,7 @@ fn setup(robot: AnyRobot, sonar: SonarModel, steps: u32, seed: u64) -> Setup {
         robot: Some(robot),
         set_down: None,
         faults: Vec::new(),
+        goal: None,
         second_robot: false,
         record: false,
     }

@@ -1,7 +1,6 @@
 //! The goal of a controller on a chip, by its name or its file.
 
 use amp::config::Config;
-use amp::fixed::Weight;
 use amp::goal::{Goal, Name, SaveGoalError};
 use amp::wire::message::GoalSpec;
 use files::error::BadInput;
@@ -37,15 +36,12 @@ pub(super) fn name(text: &str) -> Result<Name, BadInput> {
 fn goal_by_name(name: &str) -> Result<Goal<16>, BadInput> {
     let is_file = name.contains(['.', '/']) || Path::new(name).exists();
     if is_file {
-        return Ok(GoalFile::load(name.as_ref())?.goal());
+        return Ok(GoalFile::load(name.as_ref())?.goal);
     }
-    match name.parse()? {
-        Behavior::Nest { .. }
-        | Behavior::Home { .. }
-        | Behavior::Sense { .. }
-        | Behavior::Chain(_) => Err(BadInput::new(format!(
+    let goal = name.parse::<Behavior>()?.fixed_goal(&Config::recommended());
+    goal.ok_or_else(|| {
+        BadInput::new(format!(
             "goal {name}: a controller on a chip takes one goal at a time; at the nest, `goal perceived` captures it"
-        ))),
-        behavior => Ok(behavior.goal(&Config::recommended(), &[Weight::ZERO; 16])),
-    }
+        ))
+    })
 }

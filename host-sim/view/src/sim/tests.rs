@@ -27,6 +27,7 @@ fn start(sonar: SonarModel) -> SimulatorStart {
             robot: None,
             set_down: None,
             faults: Vec::new(),
+            goal: None,
             second_robot: false,
             record: true,
         },

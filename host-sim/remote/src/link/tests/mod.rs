@@ -40,6 +40,7 @@ fn setup(sonar: SonarModel, moves: u16, steps: u32) -> Setup {
         robot: None,
         set_down: None,
         faults: Vec::new(),
+        goal: None,
         second_robot: false,
         record: true,
     }

@@ -42,6 +42,7 @@ fn go(plan: &ErrandPlan) -> (Vec<Errand>, Option<EpisodeError>) {
         seed: 1,
         sonar: SonarModel::Ideal,
         faults: Vec::new(),
+        goal: None,
         second_robot: false,
         turret: TurretMode::Held,
         robot: Some(robot.clone()),

@@ -1,0 +1,80 @@
+//! `host-sim goal`: prints the goal of a behavior as a file.
+
+use super::CliError;
+use super::run::{Preset, Switch};
+use super::setup::{configured, parsed};
+use amp::goal::GoalFrame;
+use clap::Args;
+use files::error::BadInput;
+use sim::behavior::Behavior;
+use sim::goal_file::{self, GoalFile};
+use std::io::Write;
+use std::path::Path;
+
+/// Flags of the `goal` command.
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "\
+Examples:
+  host-sim goal wall-right > wall.toml
+  host-sim run --world office --behavior wall-right --goal wall.toml
+      the same as without the file, until you change it")]
+pub struct GoalArgs {
+    /// avoid, avoid-right, wall-left, wall-right, follow, or seek:FILE
+    #[arg(value_name = "BEHAVIOR", value_parser = parsed::<Behavior>)]
+    behavior: Behavior,
+    /// Preset of the controller's options, which define the scale of the situation
+    #[arg(long, value_name = "NAME", default_value = "default", value_enum)]
+    preset: Preset,
+    /// Change one option, e.g. --set clearance=0.4 (see `host-sim settings`); may be given several
+    /// times
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    sets: Vec<String>,
+}
+
+/// The goal of a file that is pursued instead of the behavior's own.
+///
+/// # Errors
+/// A behavior that has none of its own, or several; a bad file.
+pub(super) fn of_file(
+    path: Option<&Path>,
+    behavior: &Behavior,
+) -> Result<Option<Box<GoalFile>>, BadInput> {
+    let Some(path) = path else {
+        return Ok(None);
+    };
+    if matches!(behavior, Behavior::Seek(_)) || behavior.parts().len() > 1 {
+        let what = "--goal: the behaviors seek:FILE and a,b,c have goals of their own";
+        return Err(BadInput::new(what));
+    }
+    if matches!(behavior, Behavior::Home { .. } | Behavior::Sense { .. }) {
+        let what = format!("--goal: the behavior {} is led by places", behavior.name());
+        return Err(BadInput::new(what));
+    }
+    Ok(Some(Box::new(GoalFile::load(path)?)))
+}
+
+/// Prints the goal.
+///
+/// # Errors
+/// A behavior whose goal is that of a place, or has several; an unknown option; a closed pipe.
+pub fn goal(args: &GoalArgs, out: &mut impl Write) -> Result<(), CliError> {
+    let config = configured(args.preset, &args.sets, Switch::On, Switch::On)?;
+    let name = args.behavior.name();
+    let Some(goal) = args.behavior.fixed_goal(&config) else {
+        return Err(BadInput::new(format!(
+            "goal {name}: its goal is found where the robot is; `host-sim capture` writes that of a place"
+        ))
+        .into());
+    };
+    let remark = format!(
+        "The goal {name} on a scale of {} to {} m.\n\
+         # numbers: 0 {}, counter-clockwise. Values: 1 = as near as the near limit, 0 = nothing within the far limit.",
+        f64::from(config.encoding.near_mm) / 1e3,
+        f64::from(config.encoding.far_mm) / 1e3,
+        match goal.frame {
+            GoalFrame::Ring => "is the first sonar",
+            GoalFrame::Travel => "looks where the robot goes",
+        },
+    );
+    Ok(out.write_all(goal_file::whole_text(&goal, &remark).as_bytes())?)
+}
