@@ -157,7 +157,7 @@ pub fn text(situation: &Situation<16>, known: Mask, place: Point, remark: &str) 
     )
 }
 
-/// Text of a goal file for any goal; `remark` becomes a comment.
+/// Text of a goal file for any goal; the lines of `remark` become comments.
 #[must_use]
 pub fn whole_text(goal: &Goal<16>, remark: &str) -> String {
     let frame = match goal.frame {
@@ -166,8 +166,12 @@ pub fn whole_text(goal: &Goal<16>, remark: &str) -> String {
     };
     let share = |q16: u16| f64::from(q16) / 65_536.0;
     let value = |weight: Weight| weight.to_num::<f64>();
-    let mut text = format!(
-        "# {remark}\nframe = {frame:?}\nprogress = {:?}\nheading_hold = {:?}\ncap = {:?}\ntolerance = {:?}\n",
+    let lines = remark
+        .lines()
+        .map(|line| line.replace(char::is_control, " "));
+    let mut text: String = lines.map(|line| format!("# {line}\n")).collect();
+    text += &format!(
+        "frame = {frame:?}\nprogress = {:?}\nheading_hold = {:?}\ncap = {:?}\ntolerance = {:?}\n",
         share(goal.progress_q16),
         share(goal.heading_hold_q16),
         value(goal.cap),
@@ -391,7 +395,7 @@ mod tests {
             Goal::perceived(&[Weight::from_bits(17); 16]),
             odd,
         ] {
-            let file = read(&whole_text(&goal, "a goal")).unwrap();
+            let file = read(&whole_text(&goal, "a \rgoal\nof two lines")).unwrap();
             assert_eq!((file.goal, file.place_mm), (goal, None));
         }
     }

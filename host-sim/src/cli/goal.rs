@@ -68,7 +68,7 @@ pub fn goal(args: &GoalArgs, out: &mut impl Write) -> Result<(), CliError> {
     };
     let remark = format!(
         "The goal {name} on a scale of {} to {} m.\n\
-         # numbers: 0 {}, counter-clockwise. Values: 1 = as near as the near limit, 0 = nothing within the far limit.",
+         numbers: 0 {}, counter-clockwise. Values: 1 = as near as the near limit, 0 = nothing within the far limit.",
         f64::from(config.encoding.near_mm) / 1e3,
         f64::from(config.encoding.far_mm) / 1e3,
         match goal.frame {

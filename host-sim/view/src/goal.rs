@@ -260,26 +260,28 @@ impl ActiveGoal {
     /// # Errors
     /// Why there is none.
     pub fn save(&self, config: &Config<16>) -> Result<CommandOutcome, CommandRefused> {
-        let (situation, place) = match &self.kind {
-            GoalKind::Situation(situation, _, _, place) => (situation, place),
+        let scale = format!(
+            "on a scale of {} to {} m.",
+            f64::from(config.encoding.near_mm) / 1e3,
+            f64::from(config.encoding.far_mm) / 1e3
+        );
+        let whole = |goal| goal_file::whole_text(&goal, &format!("{}, {scale}", self.name()));
+        let text = match &self.kind {
+            GoalKind::Situation(situation, _, _, Some(place)) => {
+                let remark = format!("Captured in the bench view {scale}");
+                goal_file::text(situation, Mask::ALL, *place, &remark)
+            }
+            GoalKind::Situation(situation, _, _, None) => whole(Goal::perceived(situation)),
+            GoalKind::Goal(goal) => whole(*goal),
             GoalKind::Position(_) => return Err("this goal is a place, not a situation".into()),
-            GoalKind::Behavior(_) | GoalKind::Goal(_) => {
-                return Err("this goal has a name, not a situation: it needs no file".into());
+            GoalKind::Behavior(behavior) => {
+                let why = "this goal is found where the robot is: go there and capture it";
+                whole(behavior.fixed_goal(config).ok_or(why)?)
             }
         };
-        let Some(place) = place else {
-            let why = "a neuron's situation was perceived nowhere: go there and capture it";
-            return Err(why.into());
-        };
-        let encoding = config.encoding;
-        let remark = format!(
-            "Captured in the bench view on a scale of {} to {} m.",
-            f64::from(encoding.near_mm) / 1e3,
-            f64::from(encoding.far_mm) / 1e3
-        );
         Ok(CommandOutcome::File(PageFile {
             name: "goal.toml",
-            text: Some(goal_file::text(situation, Mask::ALL, *place, &remark)),
+            text: Some(text),
             hex: None,
         }))
     }

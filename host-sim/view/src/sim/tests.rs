@@ -134,7 +134,6 @@ fn what_makes_no_sense_is_refused_and_changes_nothing() {
         PageCommand::Seek,
         PageCommand::Resume,
         PageCommand::GoalNeuron { neuron: 3 },
-        PageCommand::SaveGoal,
         PageCommand::Behavior {
             name: "seek:/etc/passwd".to_owned(),
             tour: None,
@@ -208,6 +207,38 @@ fn a_neuron_and_a_place_become_goals() {
     decide(&mut simulator, 60);
     let off = simulator.body.pose().position.distance(here);
     assert!(off < 0.3, "{off} m away");
+}
+
+/// A behavior and a neuron; a nest is found where the robot is.
+#[test]
+fn any_goal_is_saved_and_loaded() {
+    let mut simulator = simulator(SonarModel::Ideal);
+    educate(&mut simulator);
+    let goal = |simulator: &mut Simulator, command: &PageCommand| {
+        simulator.execute(command).unwrap();
+        simulator.goal.goal(&simulator.config, &simulator.nest())
+    };
+    let named = |name: &str| PageCommand::Behavior {
+        name: name.to_owned(),
+        tour: None,
+    };
+    let chosen = [
+        named("wall-right"),
+        named("follow"),
+        PageCommand::GoalNeuron { neuron: 5 },
+    ];
+    for command in chosen {
+        let before = goal(&mut simulator, &command);
+        let Ok(CommandOutcome::File(file)) = simulator.execute(&PageCommand::SaveGoal) else {
+            panic!("no file");
+        };
+        simulator.execute(&named("avoid")).unwrap();
+        let text = file.text.unwrap();
+        let loaded = goal(&mut simulator, &PageCommand::GoalFile { text });
+        assert_eq!(loaded, before, "{command:?}");
+    }
+    simulator.execute(&named("nest")).unwrap();
+    assert!(simulator.execute(&PageCommand::SaveGoal).is_err());
 }
 
 #[test]
