@@ -92,6 +92,7 @@ pub fn recording() -> Recording {
     Recording {
         world: world(),
         behavior: "avoid".into(),
+        parts: vec!["avoid".to_owned()],
         preset: "default".into(),
         seed: 7,
         bearings_rad: ring(16),

@@ -35,7 +35,7 @@
 
 use amp::fixed::{Mask, Weight};
 use amp::goal::{Component, Goal, GoalFrame};
-use amp::scan::Situation;
+use amp::scan::{Encoding, Situation};
 use arena::world::{MAX_COORDINATE_M, Point};
 use files::error::BadInput;
 use files::read_text;
@@ -157,21 +157,27 @@ pub fn text(situation: &Situation<16>, known: Mask, place: Point, remark: &str) 
     )
 }
 
-/// Text of a goal file for any goal; the lines of `remark` become comments.
+/// On which scale the values of a situation are.
 #[must_use]
-pub fn whole_text(goal: &Goal<16>, remark: &str) -> String {
-    let frame = match goal.frame {
-        GoalFrame::Ring => "ring",
-        GoalFrame::Travel => "travel",
+pub fn scale(encoding: Encoding) -> String {
+    let [near_m, far_m] = [encoding.near_mm, encoding.far_mm].map(|mm| f64::from(mm) / 1e3);
+    format!("on a scale of {near_m} to {far_m} m")
+}
+
+/// Text of a goal file for any goal, without a place; its name becomes a comment.
+#[must_use]
+pub fn whole_text(goal: &Goal<16>, name: &str, encoding: Encoding) -> String {
+    let (frame, first) = match goal.frame {
+        GoalFrame::Ring => ("ring", "is the first sonar"),
+        GoalFrame::Travel => ("travel", "looks where the robot goes"),
     };
+    let (name, scale) = (name.replace(char::is_control, " "), scale(encoding));
     let share = |q16: u16| f64::from(q16) / 65_536.0;
     let value = |weight: Weight| weight.to_num::<f64>();
-    let lines = remark
-        .lines()
-        .map(|line| line.replace(char::is_control, " "));
-    let mut text: String = lines.map(|line| format!("# {line}\n")).collect();
-    text += &format!(
-        "frame = {frame:?}\nprogress = {:?}\nheading_hold = {:?}\ncap = {:?}\ntolerance = {:?}\n",
+    let mut text = format!(
+        "# The goal \"{name}\" {scale}.\n\
+         # numbers: 0 {first}, counter-clockwise. Values: 1 = as near as the near limit, 0 = nothing within the far limit.\n\
+         frame = {frame:?}\nprogress = {:?}\nheading_hold = {:?}\ncap = {:?}\ntolerance = {:?}\n",
         share(goal.progress_q16),
         share(goal.heading_hold_q16),
         value(goal.cap),
@@ -395,7 +401,7 @@ mod tests {
             Goal::perceived(&[Weight::from_bits(17); 16]),
             odd,
         ] {
-            let file = read(&whole_text(&goal, "a \rgoal\nof two lines")).unwrap();
+            let file = read(&whole_text(&goal, "a \r\ngoal", config.encoding)).unwrap();
             assert_eq!((file.goal, file.place_mm), (goal, None));
         }
     }

@@ -94,8 +94,10 @@ impl MapRecord {
 pub struct Recording {
     /// The world it happened in.
     pub world: World,
-    /// Name of the behavior, e.g. `avoid`.
+    /// Name of the behavior, e.g. `avoid`, and of the file with its goal, if it has one.
     pub behavior: String,
+    /// Names of the behaviors of a chain; one for all others.
+    pub parts: Vec<String>,
     /// Name of the preset, e.g. `default`.
     pub preset: String,
     /// Seed of all randomness.

@@ -96,11 +96,10 @@ pub fn capture(args: &CaptureArgs, out: &mut impl Write) -> Result<(), CliError>
     let sonar = args.sonar.into();
     let (situation, known) = perceive(&world, pose, robot.as_ref(), sonar, args.seed, &config);
     let remark = format!(
-        "Captured in the world {} with the sonars {} on a scale of {} to {} m.",
+        "Captured in the world {} with the sonars {} {}.",
         world.name().replace(char::is_control, " "),
         sonar.name(),
-        f64::from(config.encoding.near_mm) / 1e3,
-        f64::from(config.encoding.far_mm) / 1e3,
+        goal_file::scale(config.encoding),
     );
     let text = goal_file::text(&situation, known, pose.position, &remark);
     write(&args.out, &text)?;

@@ -3,7 +3,6 @@
 use super::CliError;
 use super::run::{Preset, Switch};
 use super::setup::{configured, parsed};
-use amp::goal::GoalFrame;
 use clap::Args;
 use files::error::BadInput;
 use sim::behavior::Behavior;
@@ -66,15 +65,6 @@ pub fn goal(args: &GoalArgs, out: &mut impl Write) -> Result<(), CliError> {
         ))
         .into());
     };
-    let remark = format!(
-        "The goal {name} on a scale of {} to {} m.\n\
-         numbers: 0 {}, counter-clockwise. Values: 1 = as near as the near limit, 0 = nothing within the far limit.",
-        f64::from(config.encoding.near_mm) / 1e3,
-        f64::from(config.encoding.far_mm) / 1e3,
-        match goal.frame {
-            GoalFrame::Ring => "is the first sonar",
-            GoalFrame::Travel => "looks where the robot goes",
-        },
-    );
-    Ok(out.write_all(goal_file::whole_text(&goal, &remark).as_bytes())?)
+    let text = goal_file::whole_text(&goal, &name, config.encoding);
+    Ok(out.write_all(text.as_bytes())?)
 }

@@ -260,15 +260,12 @@ impl ActiveGoal {
     /// # Errors
     /// Why there is none.
     pub fn save(&self, config: &Config<16>) -> Result<CommandOutcome, CommandRefused> {
-        let scale = format!(
-            "on a scale of {} to {} m.",
-            f64::from(config.encoding.near_mm) / 1e3,
-            f64::from(config.encoding.far_mm) / 1e3
-        );
-        let whole = |goal| goal_file::whole_text(&goal, &format!("{}, {scale}", self.name()));
+        let encoding = config.encoding;
+        let whole = |goal| goal_file::whole_text(&goal, &self.name(), encoding);
         let text = match &self.kind {
             GoalKind::Situation(situation, _, _, Some(place)) => {
-                let remark = format!("Captured in the bench view {scale}");
+                let scale = goal_file::scale(encoding);
+                let remark = format!("Captured in the bench view {scale}.");
                 goal_file::text(situation, Mask::ALL, *place, &remark)
             }
             GoalKind::Situation(situation, _, _, None) => whole(Goal::perceived(situation)),

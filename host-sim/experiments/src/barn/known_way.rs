@@ -75,9 +75,8 @@ fn dense(chain: &[Point]) -> Vec<Point> {
 
 impl Policy for KnownWay {
     fn decide(&mut self, perceived: &Perception) -> Point {
-        let was_stopped = |moved: Point| moved.length() < STOPPED_M;
         self.stopped = match perceived.last {
-            Some(last) if was_stopped(last.moved) => self.stopped + 1,
+            Some(last) if last.moved.length() < STOPPED_M => self.stopped + 1,
             _ => 0,
         };
         let here = perceived.pose.position;

@@ -78,7 +78,7 @@ pub fn legend(legend: &mut Legend, svg: &mut Svg, recording: &Recording) {
         let text = format!("N: {what}, {}\u{a0}m around it", num(NEST_RADIUS_M));
         legend.entry(svg, &text, |svg, at| svg.circle(at, 8.0, &goal_style()));
     }
-    let parts: Vec<_> = recording.behavior.split(',').collect();
+    let parts = &recording.parts;
     for (index, part) in parts.iter().enumerate().filter(|_| parts.len() > 1) {
         let from = if index == 0 { " (from S)" } else { " begins" };
         let text = format!("{part}{from}");
@@ -104,8 +104,11 @@ mod tests {
     #[test]
     fn leader_nest_and_parts_are_drawn_and_explained() {
         let mut recording = recording();
+        // Of a file with a comma in its name: no chain.
+        recording.behavior = "avoid by a,b.toml".into();
         let plain = path(&recording);
-        recording.behavior = "avoid,nest".into();
+        assert!(!plain.contains("begins"));
+        recording.parts = vec!["avoid".into(), "nest".into()];
         recording.goal_place = Some(Point::new(1.0, 1.0));
         for (i, step) in recording.seeking.iter_mut().enumerate() {
             step.leader = Some(step.pose.position + Point::new(1.0, 0.0));

@@ -3,6 +3,7 @@
 use super::body::{Body, Moved, StepResult};
 use super::metrics::StepFlags;
 use super::setup::Setup;
+use crate::behavior::Behavior;
 use crate::pilot::SimState;
 use crate::recording::{MapRecord, PlanTrace, Recording, Step};
 use amp::config::Config;
@@ -78,6 +79,7 @@ impl StepRecorder {
         Recording {
             world: world.clone(),
             behavior: setup.task(),
+            parts: setup.behavior.parts().iter().map(Behavior::name).collect(),
             preset: setup.preset.clone(),
             seed: setup.seed,
             bearings_rad: (0..16).map(|i| f64::from(i) * TAU / 16.0).collect(),
