@@ -7,6 +7,7 @@
 pub mod behavior;
 pub mod braitenberg;
 pub mod coverage;
+pub mod demonstration;
 pub mod episode;
 pub mod error;
 pub mod goal_file;

@@ -192,6 +192,39 @@ pub fn inside(seed: u64) -> Point {
     Point::new(noise.uniform_in(-3.0, -1.8), noise.uniform_in(-1.9, -0.7))
 }
 
+/// A corridor 1.8 … 2.4 m wide around a block.
+#[must_use]
+pub fn around_a_block(seed: u64) -> World {
+    let mut noise = Noise::new(seed);
+    let width = noise.uniform_in(1.8, 2.4);
+    let half = Point::new(noise.uniform_in(1.0, 2.5), noise.uniform_in(1.0, 2.5));
+    let outer = half + Point::new(width, width);
+    let start = Point::new(0.0, half.y + width / 2.0);
+    let block = Shape::Box {
+        center: Point::default(),
+        size: half * 2.0,
+        angle: 0.0,
+    };
+    let wall = rectangle(outer);
+    world("around-a-block", seed, start, vec![wall, block])
+}
+
+/// A room of 9 m × 9 m with a turned block of 1.2 … 2 m in its middle.
+#[must_use]
+pub fn one_block(seed: u64) -> World {
+    let mut noise = Noise::new(seed);
+    let mut side = || noise.uniform_in(1.2, 2.0);
+    let size = Point::new(side(), side());
+    let block = Shape::Box {
+        center: Point::default(),
+        size,
+        angle: noise.uniform_in(0.0, 1.57),
+    };
+    let start = Point::new(-3.0, noise.uniform_in(-1.0, 1.0));
+    let wall = rectangle(Point::new(4.5, 4.5));
+    world("one-block", seed, start, vec![wall, block])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -199,7 +232,7 @@ mod tests {
     #[test]
     fn every_room_comes_from_its_seed_and_has_room_for_the_robot() {
         type Make = fn(u64) -> World;
-        let makers: [Make; 7] = [
+        let makers: [Make; 9] = [
             plain,
             boxes,
             corridor,
@@ -207,6 +240,8 @@ mod tests {
             six_boxes,
             one_obstacle,
             with_exit,
+            around_a_block,
+            one_block,
         ];
         for make in makers {
             for seed in 0..50 {
