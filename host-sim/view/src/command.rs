@@ -83,6 +83,13 @@ pub enum PageCommand {
         /// The text.
         text: String,
     },
+    /// Record what the robot does from now on, as a demonstration, or end that.
+    Record {
+        /// Record.
+        on: bool,
+    },
+    /// Set the goal that the recorded demonstration pursued.
+    GoalShown,
     /// Save the goal as a file.
     SaveGoal,
     /// Save configuration and knowledge as a file.

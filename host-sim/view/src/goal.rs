@@ -40,8 +40,8 @@ enum GoalKind {
     Situation(Situation<16>, String, Option<usize>, Option<Point>),
     /// A position, to which places lead the robot.
     Position(Point),
-    /// A goal of a recording, of unknown origin.
-    Goal(Goal<16>),
+    /// A goal of a recording, of unknown origin, or of a demonstration, with its name.
+    Goal(Goal<16>, String),
 }
 
 impl ActiveGoal {
@@ -77,6 +77,11 @@ impl ActiveGoal {
     pub fn captured(situation: Situation<16>, place: Point) -> Self {
         let name = "captured here".to_owned();
         Self::new(GoalKind::Situation(situation, name, None, Some(place)))
+    }
+
+    /// The goal of a demonstration.
+    pub fn shown(goal: Goal<16>, name: String) -> Self {
+        Self::new(GoalKind::Goal(goal, name))
     }
 
     /// The goal of a file.
@@ -129,7 +134,7 @@ impl ActiveGoal {
                 let part = behavior.parts().get(self.part);
                 ends && part.is_some_and(|part| is_reached(part, steps, goal_steps))
             }
-            GoalKind::Situation(..) | GoalKind::Goal(_) => false,
+            GoalKind::Situation(..) | GoalKind::Goal(..) => false,
         }
     }
 
@@ -182,7 +187,7 @@ impl ActiveGoal {
             GoalKind::Behavior(behavior) => behavior.name(),
             GoalKind::Situation(_, name, ..) => name.clone(),
             GoalKind::Position(_) => "a place".to_owned(),
-            GoalKind::Goal(_) => "a situation".to_owned(),
+            GoalKind::Goal(_, name) => name.clone(),
         }
     }
 
@@ -199,7 +204,7 @@ impl ActiveGoal {
     pub fn as_behavior(&self) -> Option<&Behavior> {
         match &self.kind {
             GoalKind::Behavior(behavior) => Some(behavior),
-            GoalKind::Situation(..) | GoalKind::Position(_) | GoalKind::Goal(_) => None,
+            GoalKind::Situation(..) | GoalKind::Position(_) | GoalKind::Goal(..) => None,
         }
     }
 
@@ -252,7 +257,7 @@ impl ActiveGoal {
         let mut neurons =
             neurons.map(|neuron| Self::neuron(neuron, neuron_situation(known, neuron)));
         let found = neurons.find(|neuron| neuron.goal(config, nest) == *goal);
-        found.unwrap_or_else(|| Self::new(GoalKind::Goal(*goal)))
+        found.unwrap_or_else(|| Self::shown(*goal, "a situation".to_owned()))
     }
 
     /// The goal as a file.
@@ -269,7 +274,7 @@ impl ActiveGoal {
                 goal_file::text(situation, Mask::ALL, *place, &remark)
             }
             GoalKind::Situation(situation, _, _, None) => whole(Goal::perceived(situation)),
-            GoalKind::Goal(goal) => whole(*goal),
+            GoalKind::Goal(goal, _) => whole(*goal),
             GoalKind::Position(_) => return Err("this goal is a place, not a situation".into()),
             GoalKind::Behavior(behavior) => {
                 let why = "this goal is found where the robot is: go there and capture it";
@@ -300,7 +305,7 @@ impl ActiveGoal {
             GoalKind::Situation(situation, ..) => Goal::perceived(situation),
             // The way is what leads it.
             GoalKind::Position(_) => Goal::avoiding(config),
-            GoalKind::Goal(goal) => *goal,
+            GoalKind::Goal(goal, _) => *goal,
         }
     }
 
@@ -314,7 +319,7 @@ impl ActiveGoal {
             GoalKind::Behavior(behavior) => (None, behavior.place(start)),
             GoalKind::Situation(_, _, neuron, place) => (*neuron, *place),
             GoalKind::Position(place) => (None, Some(*place)),
-            GoalKind::Goal(_) => (None, None),
+            GoalKind::Goal(..) => (None, None),
         };
         let parts = self
             .as_behavior()

@@ -227,6 +227,8 @@ pub struct LiveState {
     pub touched: bool,
     /// The goal.
     pub goal: GoalDto,
+    /// Whether a demonstration is recorded now, and its number of steps.
+    pub shown: Option<(bool, usize)>,
     /// Counts since the start.
     pub counts: DriveCounts,
     /// The shield is on.

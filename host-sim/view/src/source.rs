@@ -22,6 +22,8 @@ pub struct Capabilities {
     pub save: bool,
     /// Load configuration and knowledge.
     pub load: bool,
+    /// Record demonstrations and find their goals.
+    pub show: bool,
     /// Jump to any decision, in a log.
     pub jump: bool,
     /// A memory of places leads it to goals: home, and any position.

@@ -70,6 +70,10 @@ function showMode(now) {
   const speeds = SPEEDS.includes(now.pace.speed) ? SPEEDS : [now.pace.speed, ...SPEEDS];
   options($("speed"), speeds.map((speed) => [String(speed), speedName(speed)]), String(now.pace.speed));
   for (const id of ["shield", "online"]) if (pendingSwitch !== id) $(id).checked = now[id];
+  const [records, steps] = now.shown || [false, 0];
+  say($("record"), records ? `Recording ${steps}` : "Record");
+  $("record").setAttribute("aria-pressed", records);
+  $("goal-shown").disabled = steps < 10;
   showGoalChoice();
 }
 
@@ -115,7 +119,7 @@ function showSetup(scene) {
   if (document.activeElement !== $("seed")) $("seed").value = scene.seed;
   const can = scene.abilities;
   for (const [ids, ability] of [[["explore", "learn", "seek", "resume", "here", "stop", "goal-choice", "then-choice", "goal-files"], can.drive],
-    [["pause", "step", "speed-choice"], can.pace], [["save-mind"], can.save], [["load-mind"], can.load], [["anew"], can.reset],
+    [["pause", "step", "speed-choice"], can.pace], [["show-goal"], can.show], [["save-mind"], can.save], [["load-mind"], can.load], [["anew"], can.reset],
     [["first", "back"], can.jump]]) for (const id of ids) $(id).hidden = !ability;
   for (const id of ["shield", "online"]) $(id).disabled = !can.configure;
   document.body.classList.toggle("recording", can.jump);
@@ -205,6 +209,8 @@ function bindControls() {
   $("reset").addEventListener("click", restart);
   $("save-mind").addEventListener("click", async () => { const reply = await ask("save_mind"); if (reply) saveFile(reply.file); });
   $("save-goal").addEventListener("click", async () => { const reply = await ask("save_goal"); if (reply) saveFile(reply.file); });
+  $("record").addEventListener("click", () => ask("record", { on: !(view.now.shown && view.now.shown[0]) }));
+  $("goal-shown").addEventListener("click", async () => { if (await ask("goal_shown")) notify("The goal is what was shown."); });
   $("load-mind").addEventListener("click", () => choose(".mind", loadMind));
   $("load-goal").addEventListener("click", () => choose(".toml", loadGoal));
   $("steer").addEventListener("click", () => ask("steer", { token, over: true }));

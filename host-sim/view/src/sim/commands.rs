@@ -33,6 +33,8 @@ impl Simulator {
             PageCommand::Seek => self.seek()?,
             PageCommand::Resume => self.resume()?,
             PageCommand::Reset(reset) => self.reset(reset)?,
+            PageCommand::Record { on } => self.record(*on)?,
+            PageCommand::GoalShown => self.use_recorded()?,
             PageCommand::SaveGoal => return self.goal.save(&self.config),
             PageCommand::SaveMind => return self.save_mind(),
             PageCommand::LoadMind { hex } => self.load_mind(hex)?,
@@ -191,7 +193,7 @@ impl Simulator {
         Ok(())
     }
 
-    fn choose(&mut self, goal: ActiveGoal) -> Result<(), CommandRefused> {
+    pub(super) fn choose(&mut self, goal: ActiveGoal) -> Result<(), CommandRefused> {
         let before = std::mem::replace(&mut self.goal, goal);
         let outcome = match self.activity {
             SimulatorActivity::Seek => self.seek(),
@@ -296,6 +298,7 @@ impl Simulator {
         }
         self.body.wait(CARRY_TIME_S);
         self.body.set_down_at(to);
+        self.recorder.carried();
         self.log_place();
         self.before = None;
         self.carry_places();

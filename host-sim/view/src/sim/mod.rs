@@ -7,6 +7,7 @@ mod commands;
 mod mind;
 mod parts;
 mod places;
+mod record;
 mod senses;
 mod think;
 
@@ -23,6 +24,7 @@ use amp::scan::Situation;
 use arena::robot::TurretMode;
 use arena::world::{Point, Pose, World};
 use files::error::BadInput;
+use record::Recorder;
 use remote::link::{AnyController, ControllerPlace};
 use remote::log::{LogOutput, LogWriter, LoggedController, SetupRecord, SharedLog, WorldLogger};
 use sim::episode::{
@@ -123,6 +125,7 @@ pub struct Simulator {
     seeking: Metrics,
     open: Option<StepFlags>,
     trail: History,
+    recorder: Recorder,
     cache: SimulatorCache,
 }
 
@@ -197,6 +200,7 @@ impl Simulator {
             seeking: nothing,
             open: None,
             trail: History::latest(),
+            recorder: Recorder::default(),
             cache: SimulatorCache::default(),
             body,
             start,
@@ -289,6 +293,8 @@ impl Simulator {
         }
         self.before = self.decision.map(|before| before.situation);
         self.decision = Some(*decision);
+        let enabled = self.controller.inner().enabled();
+        self.recorder.decided(decision, enabled);
         self.touched = false;
         self.open = Some(StepFlags {
             at_goal: decision.at_goal,
@@ -311,6 +317,7 @@ impl Simulator {
 
     fn follow(&mut self, result: &StepResult) {
         let Some(moved) = &result.moved else { return };
+        self.recorder.moved(moved, result.pose.heading);
         self.metrics()
             .moved(moved.from, moved.to, moved.traveled_m, moved.clearance_m);
         self.touched |= moved.touched;
@@ -354,6 +361,7 @@ impl ViewSource for Simulator {
             carry: true,
             places: self.has_places(),
             reset: true,
+            show: self.start.setup.robot.is_none(),
             configure: self.start.setup.robot.is_none(),
             save: true,
             load: self.controller.inner().is_local(),

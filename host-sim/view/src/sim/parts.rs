@@ -89,6 +89,7 @@ impl Simulator {
                 self.controller.inner().enabled().contains(sensor)
             }),
             situation: ring(&situation),
+            shown: self.recorder.state(),
             counts: self.counts(),
             shield: self.config.shield.is_some(),
             online: self.config.online.is_some(),

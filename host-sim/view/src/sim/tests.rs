@@ -8,6 +8,7 @@ use sim::pilot::LocalController;
 
 mod device;
 mod places;
+mod record;
 mod senses;
 
 fn start(sonar: SonarModel) -> SimulatorStart {
