@@ -20,6 +20,7 @@ mod chip_twin;
 mod compare;
 mod damaged_logs;
 mod defects;
+mod demonstrations;
 mod determinism;
 mod errands;
 mod faults;

@@ -283,6 +283,21 @@ const CASES: &[Case] = &[
     ("goal avoid,follow", &["goal avoid,follow"]),
     ("goal wal-left", &["did you mean \"wall-left\"?"]),
     ("goal seek:nothing.toml", &["nothing.toml"]),
+    ("goal learn -o x.toml", &["required arguments"]),
+    (
+        "goal learn --from nothing.mcap -o x.toml",
+        &["nothing.mcap"],
+    ),
+    (
+        "goal learn --from nothing.toml -o x.toml",
+        &["nothing.toml"],
+    ),
+    (
+        "goal learn --from nothing.toml --from nothing.mcap -o x.toml",
+        &["--from", "either logs (.mcap) or captured situations"],
+    ),
+    ("demonstrations --only nothing", &["--only \"nothing\""]),
+    ("demonstrations --drives 0", &["--drives"]),
     ("run --goal nothing.toml", &["nothing.toml"]),
     (
         "run --behavior avoid,follow --goal nothing.toml",

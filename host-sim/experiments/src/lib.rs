@@ -7,6 +7,7 @@ pub mod baselines;
 pub mod behaviors;
 pub mod bodies;
 pub mod compare;
+pub mod demonstrations;
 pub mod errands;
 pub mod faults;
 pub mod paper;

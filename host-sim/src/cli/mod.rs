@@ -12,6 +12,7 @@ mod bridge;
 mod capture;
 mod compare;
 mod demo;
+mod demonstrations;
 mod errands;
 mod faults;
 mod goal;
@@ -92,7 +93,10 @@ enum CliCommand {
     Bodies(bodies::BodiesArgs),
     /// Write the situation at a pose: a goal for `run --behavior seek:FILE` and `link goal FILE`
     Capture(capture::CaptureArgs),
-    /// Print the goal of a behavior as a file, for `run --goal FILE` and `link goal FILE`
+    /// Measure goals learned from demonstrations, beside goals and rules written by hand
+    Demonstrations(demonstrations::DemonstrationsArgs),
+    /// Print the goal of a behavior as a file, for `run --goal FILE` and `link goal FILE`, or learn one
+    /// from a demonstration
     Goal(goal::GoalArgs),
     /// Measure whether a behavior improves by repetition, compared with frozen maps
     Repetition(repetition::RepetitionArgs),
@@ -189,6 +193,7 @@ fn execute(command: Option<CliCommand>, out: &mut impl Write) -> Result<(), CliE
         Some(CliCommand::Behaviors(args)) => behaviors::behaviors(&args, out),
         Some(CliCommand::Capture(args)) => capture::capture(&args, out),
         Some(CliCommand::Goal(args)) => goal::goal(&args, out),
+        Some(CliCommand::Demonstrations(args)) => demonstrations::demonstrations(&args, out),
         Some(CliCommand::Repetition(args)) => repetition::repetition(&args, out),
         Some(CliCommand::Errands(args)) => errands::errands(&args, out),
         Some(CliCommand::Faults(args)) => faults::faults(&args, out),

@@ -16,6 +16,7 @@ mod run;
 mod scene;
 mod setup_record;
 mod shared;
+mod shown;
 mod summary;
 mod write;
 
@@ -32,6 +33,7 @@ pub use run::run;
 pub use scene::{SceneChange, pose_of, scene_changes};
 pub use setup_record::{FORMAT, RobotRecord, SetupRecord};
 pub use shared::SharedLog;
+pub use shown::LoggedDemonstration;
 pub use summary::Summary;
 pub use write::{CHUNK_BYTES, LogOutput, LogWriter};
 

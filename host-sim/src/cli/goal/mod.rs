@@ -1,9 +1,11 @@
-//! `host-sim goal`: prints the goal of a behavior as a file.
+//! `host-sim goal`: prints the goal of a behavior as a file, or learns one from a demonstration.
 
-use super::CliError;
-use super::run::{Preset, Switch};
-use super::setup::{configured, parsed};
-use clap::Args;
+mod learn;
+
+use crate::cli::CliError;
+use crate::cli::run::{Preset, Switch};
+use crate::cli::setup::{configured, parsed};
+use clap::{Args, Subcommand};
 use files::error::BadInput;
 use sim::behavior::Behavior;
 use sim::goal_file::{self, GoalFile};
@@ -12,15 +14,22 @@ use std::path::Path;
 
 /// Flags of the `goal` command.
 #[derive(Debug, Clone, Args)]
-#[command(after_help = "\
+#[command(
+    args_conflicts_with_subcommands = true,
+    after_help = "\
 Examples:
   host-sim goal wall-right > wall.toml
   host-sim run --world office --behavior wall-right --goal wall.toml
-      the same as without the file, until you change it")]
+      the same as without the file, until you change it
+  host-sim goal learn --from wall.mcap -o shown.toml
+      the goal that a logged drive pursued"
+)]
 pub struct GoalArgs {
+    #[command(subcommand)]
+    command: Option<GoalCommand>,
     /// avoid, avoid-right, wall-left, wall-right, follow, or seek:FILE
-    #[arg(value_name = "BEHAVIOR", value_parser = parsed::<Behavior>)]
-    behavior: Behavior,
+    #[arg(value_name = "BEHAVIOR", value_parser = parsed::<Behavior>, required = true)]
+    behavior: Option<Behavior>,
     /// Preset of the controller's options, which define the scale of the situation
     #[arg(long, value_name = "NAME", default_value = "default", value_enum)]
     preset: Preset,
@@ -30,11 +39,17 @@ pub struct GoalArgs {
     sets: Vec<String>,
 }
 
+#[derive(Debug, Clone, Subcommand)]
+enum GoalCommand {
+    /// Find the goal that a demonstration pursued
+    Learn(learn::GoalLearnArgs),
+}
+
 /// The goal of a file that is pursued instead of the behavior's own.
 ///
 /// # Errors
 /// A behavior that has none of its own, or several; a bad file.
-pub(super) fn of_file(
+pub(in crate::cli) fn of_file(
     path: Option<&Path>,
     behavior: &Behavior,
 ) -> Result<Option<Box<GoalFile>>, BadInput> {
@@ -52,14 +67,25 @@ pub(super) fn of_file(
     Ok(Some(Box::new(GoalFile::load(path)?)))
 }
 
-/// Prints the goal.
+/// Prints the goal of a behavior, or learns one.
 ///
 /// # Errors
-/// A behavior whose goal is that of a place, or has several; an unknown option; a closed pipe.
+/// A behavior whose goal is that of a place, or has several; an unknown option; a bad
+/// demonstration; a closed pipe.
 pub fn goal(args: &GoalArgs, out: &mut impl Write) -> Result<(), CliError> {
+    if let Some(GoalCommand::Learn(args)) = &args.command {
+        return learn::learn(args, out);
+    }
     let config = configured(args.preset, &args.sets, Switch::On, Switch::On)?;
-    let name = args.behavior.name();
-    let Some(goal) = args.behavior.fixed_goal(&config) else {
+    let name = args
+        .behavior
+        .as_ref()
+        .map_or_else(String::new, Behavior::name);
+    let goal = args
+        .behavior
+        .as_ref()
+        .and_then(|behavior| behavior.fixed_goal(&config));
+    let Some(goal) = goal else {
         return Err(BadInput::new(format!(
             "goal {name}: its goal is found where the robot is; `host-sim capture` writes that of a place"
         ))
