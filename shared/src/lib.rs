@@ -45,6 +45,7 @@
 //! | [`turret`] | any body's sensors as a ring that keeps its bearing in the world |
 //! | [`config`] | every open choice of the method as a named value; the presets |
 //! | [`controller`] | modes and events: the robot as a function |
+//! | [`couple`] | two maps for any body: an action is one value per actuator |
 //! | [`wire`] | messages and frames of the link to the base |
 //! | [`link`] | session, order and age of frames, and whether the host is alive |
 //! | [`parameters`] | configuration values by name: over the link, and the table of settings |
@@ -95,6 +96,7 @@ pub mod calibration;
 mod checksum;
 pub mod config;
 pub mod controller;
+pub mod couple;
 mod disc;
 #[cfg(feature = "faults")]
 pub mod faults;
