@@ -2,6 +2,7 @@
 //! that calculate. `cargo test -p tests --test all view::` runs those of one file.
 
 mod any_world;
+mod arm;
 mod avoidance;
 mod bad_input;
 mod behaviors;

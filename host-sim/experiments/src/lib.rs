@@ -2,6 +2,7 @@
 //! BARN, sweeps.
 
 pub mod ablation;
+pub mod arm;
 pub mod barn;
 pub mod baselines;
 pub mod behaviors;

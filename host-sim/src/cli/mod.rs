@@ -5,6 +5,7 @@
 //! pipe ends the program quietly.
 
 mod ablation;
+mod arm;
 mod barn;
 mod behaviors;
 mod bodies;
@@ -112,6 +113,8 @@ enum CliCommand {
     Paper(paper::PaperArgs),
     /// Compare the controller with other methods: hand-written rules, lazy samples, Q-learning
     Compare(compare::CompareArgs),
+    /// Arms instead of a mobile base: reach for targets after random moves, around a region
+    Arm(arm::ArmArgs),
     /// Show a running robot in a browser, with its maps and decisions, and steer it
     View(view::ViewArgs),
     /// Print a completion script for a shell
@@ -202,6 +205,7 @@ fn execute(command: Option<CliCommand>, out: &mut impl Write) -> Result<(), CliE
         Some(CliCommand::Replay(args)) => log::replay(&args, out),
         Some(CliCommand::Paper(args)) => paper::paper(&args, out),
         Some(CliCommand::Compare(args)) => compare::compare(&args, out),
+        Some(CliCommand::Arm(args)) => arm::arm(&args, out),
         Some(CliCommand::View(args)) => view::view(&args, out),
         Some(CliCommand::Completions { shell }) => {
             let mut script = Vec::new();
