@@ -1,6 +1,7 @@
 //! Runs all measurements for the paper's claims from one seed.
 
 use super::any_ring::{Count, MOVES};
+use super::arms::{self, Arms};
 use super::chain::{Chain, Cloud};
 use super::decision::{self, DecisionFigure, decision};
 use super::far_goals::{self, FarGoals};
@@ -90,6 +91,8 @@ pub struct Measured {
     pub following: AblationFigures,
     /// Goals that are far away, for `default`.
     pub far_goals: FarGoals,
+    /// Arms by the couple of maps.
+    pub arms: Arms,
     /// Avoidance of the presets and of Q-learners after [`LEARNING_MOVES`].
     pub compared: Vec<ComparisonRow>,
 }
@@ -156,6 +159,7 @@ pub fn measure(size: Size, progress: &impl ProgressListener) -> Result<Measured,
         rings: ring_sizes::measure(size, &readings[0], progress),
         following: following(size, &readings[0])?,
         far_goals: far_goals::measure(size, &readings[0], progress)?,
+        arms: arms::measure(size, progress),
         compared: compared(size, progress)?,
     })
 }

@@ -6,6 +6,7 @@
 mod behaviors;
 mod chaining;
 mod maps;
+mod other_systems;
 mod planning;
 mod reinforcement;
 mod repetition;
@@ -132,7 +133,13 @@ pub fn claims(measured: &Measured) -> Vec<Claim> {
     claims.extend(repetition::claims(measured));
     claims.extend(planning::claims(measured));
     claims.extend(behaviors::claims(measured));
+    let later = claims
+        .iter()
+        .position(|claim| claim.section.starts_with('5'));
+    let later = later.unwrap_or(claims.len());
+    claims.splice(later..later, other_systems::related_works(measured));
     claims.extend(chaining::claims(measured));
+    claims.push(other_systems::pointing(measured));
     claims
 }
 

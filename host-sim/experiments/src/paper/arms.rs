@@ -1,0 +1,55 @@
+//! An arm that reaches and goes around a region (section 4), and one that points (section 5.3), as
+//! in `host-sim arm`, with fewer seeds and targets.
+
+use super::any_ring::MOVES;
+use super::measure::{ProgressListener, Size};
+use crate::arm::body::{ArmBody, View};
+use crate::arm::pointing::{
+    PointingMethod, PointingRow, PointingTrial, pointings, row as pointing_row,
+};
+use crate::arm::reach::{ArmMethod, Obstruction, ReachRow, ReachTrial, reaches, row};
+
+/// Targets of each seed.
+pub const TARGETS: u32 = 100;
+
+/// The arm by the couple of maps.
+pub struct Arms {
+    /// It reaches for targets.
+    pub reaching: ReachRow,
+    /// A region lies between, of which it is not told.
+    pub untold: ReachRow,
+    /// The region is part of the goal.
+    pub around: ReachRow,
+    /// Eye and arm point at targets.
+    pub pointing: PointingRow,
+}
+
+/// Measures on all cores.
+pub(super) fn measure(size: Size, progress: &impl ProgressListener) -> Arms {
+    progress.begin("arms", 4 * u64::from(size.draws));
+    let body = ArmBody::coiton(View::Space);
+    let done = || progress.done();
+    let reach = |obstruction| {
+        let trial = ReachTrial {
+            first_seed: size.seed,
+            seeds: size.draws,
+            explore_moves: MOVES.into(),
+            targets: TARGETS,
+            obstruction,
+        };
+        row(&reaches(&body, ArmMethod::Maps, &trial, &done))
+    };
+    let trial = PointingTrial {
+        first_seed: size.seed,
+        seeds: size.draws,
+        explore_moves: MOVES.into(),
+        targets: TARGETS,
+    };
+    let maps = PointingMethod::Learned(ArmMethod::Maps);
+    Arms {
+        reaching: reach(Obstruction::None),
+        untold: reach(Obstruction::Untold),
+        around: reach(Obstruction::Told),
+        pointing: pointing_row(&pointings(maps, &trial, &done)),
+    }
+}
