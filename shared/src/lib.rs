@@ -37,6 +37,7 @@
 //! | [`goal`] | behaviors as goal situations |
 //! | [`modality`] | what else is perceived, where and when: a scent, the light |
 //! | [`places`] | where the robot was, and the way back by sub-goals |
+//! | [`sequence`] | sequences of patterns, recalled by a pair of associative memories |
 //! | [`planner`] | the paper's four steps, with every intermediate value |
 //! | [`faults`] | detects faulty transducers |
 //! | [`calibration`] | where the sensors of a body look, learned from random moves |
@@ -116,6 +117,7 @@ pub mod planner;
 pub mod points;
 pub mod robot;
 pub mod scan;
+pub mod sequence;
 pub mod shield;
 #[cfg(feature = "store")]
 pub mod store;
