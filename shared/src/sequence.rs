@@ -111,9 +111,9 @@ impl<const N: usize> SequenceMemory<N> {
         }
     }
 
-    /// Presents a learned sequence once more and corrects what is not recalled with the margin `N`.
-    /// Returns the number of bits that it corrected: 0 when nothing is left to learn. Sequences that
-    /// share no element end there after some ten presentations, if all are presented in turn.
+    /// Presents a learned sequence once more and corrects what is not recalled with the margin
+    /// `N`. Returns the number of bits that it corrected: 0 when nothing is left to learn. Several
+    /// sequences are to be presented in turn.
     pub fn correct(&mut self, sequence: &[Pattern<N>], end: End) -> u32 {
         let mut corrected = 0_u32;
         for element in sequence {

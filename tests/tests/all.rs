@@ -35,6 +35,7 @@ mod maps;
 mod nomad;
 mod paper;
 mod readme;
+mod sequence;
 mod serial;
 mod servers;
 mod sweep;

@@ -277,6 +277,17 @@ const CASES: &[Case] = &[
         &["did you mean \"paper\"?"],
     ),
     ("capture --out file/place.toml", &["file/place.toml"]),
+    (
+        "patrol --world room --station 1,1",
+        &["--station: a round has two stations"],
+    ),
+    (
+        "patrol --world room --station 1,1 --station 2.9,0",
+        &["--station 2.9,0", "no room for the robot", "room"],
+    ),
+    ("patrol --station 1,x", &["--station", "not X,Y in meters"]),
+    ("sequence --out file/pictures", &["file/pictures"]),
+    ("sequence --seeds 0", &["--seeds"]),
     ("capture", &["required arguments"]),
     ("goal", &["required arguments"]),
     ("goal nest", &["goal nest", "host-sim capture"]),

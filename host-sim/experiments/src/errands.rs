@@ -174,7 +174,7 @@ fn in_world(trial: &ErrandTrial, world: &World) -> Result<WorldErrands, EpisodeE
 
 /// Random places that the robot can reach, apart from each other and from its start where the world
 /// has room.
-fn places(world: &World, radius_m: f64, count: u32, seed: u64) -> Vec<Point> {
+pub(crate) fn places(world: &World, radius_m: f64, count: u32, seed: u64) -> Vec<Point> {
     let home = world.start().position;
     let mut noise = Noise::new(seed);
     let mut places: Vec<Point> = Vec::new();

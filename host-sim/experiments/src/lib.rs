@@ -1,5 +1,5 @@
 //! Measurements over many rooms: the paper's claims, comparisons with other methods, ablations,
-//! BARN, sweeps.
+//! BARN, sweeps, sequences.
 
 pub mod ablation;
 pub mod arm;
@@ -12,7 +12,9 @@ pub mod demonstrations;
 pub mod errands;
 pub mod faults;
 pub mod paper;
+pub mod patrol;
 pub mod pictures;
 pub mod repetition;
 pub mod scenes;
+pub mod sequence;
 pub mod sweep;

@@ -23,10 +23,12 @@ mod log;
 mod nomad;
 mod output;
 mod paper;
+mod patrol;
 mod remote;
 mod repetition;
 mod robot;
 mod run;
+mod sequence;
 mod setup;
 mod summary;
 mod sweep;
@@ -103,6 +105,10 @@ enum CliCommand {
     Repetition(repetition::RepetitionArgs),
     /// Send a robot from place to place, again and again, while its world changes
     Errands(errands::ErrandsArgs),
+    /// Recall sequences of patterns by a pair of associative memories, and by simpler methods
+    Sequence(sequence::SequenceArgs),
+    /// Show a robot a round of stations, and measure whether it goes on by itself
+    Patrol(patrol::PatrolArgs),
     /// Measure the effect of a faulty sonar, and the time until its detection
     Faults(faults::FaultsArgs),
     /// Print the content of a log that `run --log FILE.mcap` wrote
@@ -199,6 +205,8 @@ fn execute(command: Option<CliCommand>, out: &mut impl Write) -> Result<(), CliE
         Some(CliCommand::Demonstrations(args)) => demonstrations::demonstrations(&args, out),
         Some(CliCommand::Repetition(args)) => repetition::repetition(&args, out),
         Some(CliCommand::Errands(args)) => errands::errands(&args, out),
+        Some(CliCommand::Sequence(args)) => sequence::sequence(&args, out),
+        Some(CliCommand::Patrol(args)) => patrol::patrol(&args, out),
         Some(CliCommand::Faults(args)) => faults::faults(&args, out),
         Some(CliCommand::Bodies(args)) => bodies::bodies(&args, out),
         Some(CliCommand::Log(args)) => log::log(&args, out),

@@ -128,6 +128,13 @@ pub fn errands(
     Ok((errands, None))
 }
 
+/// A place in the frame of a robot that began there.
+pub(super) fn in_frame(frame: Pose, place: Point) -> Displacement {
+    let way = (place - frame.position).turned_back(Point::unit(frame.heading));
+    let mm = |m: f64| libm::rint(m * 1e3) as i32;
+    Displacement::saturating(mm(way.x), mm(way.y))
+}
+
 /// A robot that goes on errands.
 struct Messenger<'p, 'w> {
     /// Without the obstacle.
@@ -156,13 +163,6 @@ impl Messenger<'_, '_> {
         places.get(place).copied().unwrap_or(self.frame.position)
     }
 
-    /// A place in the robot's own frame.
-    fn in_frame(&self, place: Point) -> Displacement {
-        let way = (place - self.frame.position).turned_back(Point::unit(self.frame.heading));
-        let mm = |m: f64| libm::rint(m * 1e3) as i32;
-        Displacement::saturating(mm(way.x), mm(way.y))
-    }
-
     /// The obstacle comes or goes; it does not come where the robot stands. Returns whether it is
     /// there.
     fn obstruct(&mut self, period: u32) -> bool {
@@ -184,7 +184,7 @@ impl Messenger<'_, '_> {
     fn run(&mut self, period: u32, place: usize) -> Result<Errand, EpisodeError> {
         let is_obstructed = self.obstruct(period);
         let (target, steps) = (self.target(place), self.plan.steps);
-        let position = self.in_frame(target);
+        let position = in_frame(self.frame, target);
         let body = &self.runner.body;
         let (from, began_s) = (body.pose().position, body.time_s());
         // Worlds too large to be searched have no shortest way.
@@ -207,7 +207,7 @@ impl Messenger<'_, '_> {
             distance_m: metrics.distance_m,
             took_s: self.runner.body.time_s() - began_s,
             contacts: metrics.contacts,
-            error_m: f64::from(self.in_frame(at).minus(places.here()).length_mm()) / 1e3,
+            error_m: f64::from(in_frame(self.frame, at).minus(places.here()).length_mm()) / 1e3,
             known: places.positions().len(),
         })
     }
