@@ -3,6 +3,7 @@
 use super::any_ring::{Count, MOVES};
 use super::arms::{self, Arms};
 use super::chain::{Chain, Cloud};
+use super::claims::sequences::{CUES, FLIPPED};
 use super::decision::{self, DecisionFigure, decision};
 use super::far_goals::{self, FarGoals};
 use super::gaps::Gaps;
@@ -16,6 +17,7 @@ use crate::behaviors::{self, SceneOutcome};
 use crate::compare::{self, ComparedMethod, ComparisonPlan, ComparisonRow, Conditions};
 use crate::repetition::{self, Curve};
 use crate::scenes::{BehaviorScene, SCENES};
+use crate::sequence::{self, Row, SequenceTrial};
 use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::World;
@@ -89,6 +91,8 @@ pub struct Measured {
     pub rings: Vec<(usize, Vec<Count>)>,
     /// Avoidance with a ring that turns with the heading, for `default`.
     pub following: AblationFigures,
+    /// Sequences recalled under noise.
+    pub sequences: Vec<Row>,
     /// Goals that are far away, for `default`.
     pub far_goals: FarGoals,
     /// Arms by the couple of maps.
@@ -158,6 +162,7 @@ pub fn measure(size: Size, progress: &impl ProgressListener) -> Result<Measured,
         repetitions: repetitions(size, &readings[0], progress)?,
         rings: ring_sizes::measure(size, &readings[0], progress),
         following: following(size, &readings[0])?,
+        sequences: sequences(size, progress)?,
         far_goals: far_goals::measure(size, &readings[0], progress)?,
         arms: arms::measure(size, progress),
         compared: compared(size, progress)?,
@@ -271,6 +276,17 @@ fn moves(
 
 fn following(size: Size, reading: &PaperReading) -> Result<AblationFigures, EpisodeError> {
     ablation::measure(&variant(reading, TurretMode::Follow), &trial(size, MOVES))
+}
+
+fn sequences(size: Size, progress: &impl ProgressListener) -> Result<Vec<Row>, BadInput> {
+    progress.begin("sequence", u64::from(size.draws));
+    let trial = SequenceTrial {
+        seed: size.seed,
+        seeds: size.draws,
+        cues: CUES,
+        corrected_bits: 0,
+    };
+    sequence::measure_noise(&trial, &FLIPPED, &|| progress.done())
 }
 
 fn compared(

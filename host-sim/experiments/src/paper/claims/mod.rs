@@ -10,6 +10,7 @@ mod other_systems;
 mod planning;
 mod reinforcement;
 mod repetition;
+pub mod sequences;
 
 use super::measure::Measured;
 
@@ -137,7 +138,9 @@ pub fn claims(measured: &Measured) -> Vec<Claim> {
         .iter()
         .position(|claim| claim.section.starts_with('5'));
     let later = later.unwrap_or(claims.len());
-    claims.splice(later..later, other_systems::related_works(measured));
+    let related = other_systems::related_works(measured);
+    let related = related.into_iter().chain(sequences::claims(measured));
+    claims.splice(later..later, related.collect::<Vec<_>>());
     claims.extend(chaining::claims(measured));
     claims.push(other_systems::pointing(measured));
     claims
