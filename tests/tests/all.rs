@@ -36,6 +36,7 @@ mod nomad;
 mod paper;
 mod readme;
 mod sequence;
+mod rivals;
 mod serial;
 mod servers;
 mod sweep;

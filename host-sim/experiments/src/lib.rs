@@ -15,6 +15,7 @@ pub mod paper;
 pub mod patrol;
 pub mod pictures;
 pub mod repetition;
+pub mod rivals;
 pub mod scenes;
 pub mod sequence;
 pub mod sweep;

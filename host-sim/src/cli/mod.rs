@@ -26,6 +26,7 @@ mod paper;
 mod patrol;
 mod remote;
 mod repetition;
+mod rivals;
 mod robot;
 mod run;
 mod sequence;
@@ -121,6 +122,8 @@ enum CliCommand {
     Compare(compare::CompareArgs),
     /// Arms instead of a mobile base: reach for targets after random moves, around a region
     Arm(arm::ArmArgs),
+    /// Compare the controller with other models and quantizers, from the same random moves
+    Rivals(rivals::RivalsArgs),
     /// Show a running robot in a browser, with its maps and decisions, and steer it
     View(view::ViewArgs),
     /// Print a completion script for a shell
@@ -214,6 +217,7 @@ fn execute(command: Option<CliCommand>, out: &mut impl Write) -> Result<(), CliE
         Some(CliCommand::Paper(args)) => paper::paper(&args, out),
         Some(CliCommand::Compare(args)) => compare::compare(&args, out),
         Some(CliCommand::Arm(args)) => arm::arm(&args, out),
+        Some(CliCommand::Rivals(args)) => rivals::rivals(&args, out),
         Some(CliCommand::View(args)) => view::view(&args, out),
         Some(CliCommand::Completions { shell }) => {
             let mut script = Vec::new();
