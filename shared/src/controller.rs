@@ -203,6 +203,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         &self.actions
     }
 
+    /// Replaces the action map, in any mode: what the planner predicts with is then not what was
+    /// learned. For experiments.
+    pub fn replace_actions(&mut self, actions: ActionMap<NEURONS, SENSORS>) {
+        self.actions = actions;
+    }
+
     /// The latest scan.
     #[must_use]
     pub const fn scan(&self) -> &Scan<SENSORS> {

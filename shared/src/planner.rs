@@ -6,7 +6,7 @@
 
 use crate::action_map::{ActionMap, Match, Preference, Probe};
 use crate::config::{AtGoal, Config, PlannerKind, Subgoal};
-use crate::fixed::{Mask, Weight, Weight32, to_weight16, unit_weight};
+use crate::fixed::{Mask, Selection, Weight, Weight32, to_weight16, unit_weight};
 use crate::goal::{Goal, ValueBounds};
 use crate::scan::Situation;
 use crate::som::Som;
@@ -95,8 +95,10 @@ pub struct Plan<const SENSORS: usize> {
 }
 
 /// The inputs of one decision: configuration, maps and robot state.
+///
+/// `S` selects neurons: [`WideMask`](crate::fixed::WideMask) for more than 32.
 #[derive(Debug, Clone, Copy)]
-pub struct Planner<'a, const SENSORS: usize, const NEURONS: usize> {
+pub struct Planner<'a, const SENSORS: usize, const NEURONS: usize, S = Mask> {
     /// The configuration.
     pub config: &'a Config<SENSORS>,
     /// The map of situations.
@@ -106,7 +108,7 @@ pub struct Planner<'a, const SENSORS: usize, const NEURONS: usize> {
     /// Enabled transducers.
     pub enabled: Mask,
     /// Action neurons that are not inhibited.
-    pub allowed: Mask,
+    pub allowed: S,
     /// Best-matching unit of the situation; `None` = not searched yet.
     pub current: Option<usize>,
     /// The last displacement, in the ring's current frame.
@@ -115,7 +117,7 @@ pub struct Planner<'a, const SENSORS: usize, const NEURONS: usize> {
     pub cut: bool,
 }
 
-impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
+impl<const SENSORS: usize, const NEURONS: usize, S: Selection> Planner<'_, SENSORS, NEURONS, S> {
     /// The decision for one situation and one goal.
     #[must_use]
     pub fn plan(&self, situation: &Situation<SENSORS>, goal: &Goal<SENSORS>) -> Plan<SENSORS> {

@@ -7,7 +7,7 @@ mod mask;
 mod vectors;
 
 pub use functions::{exp_neg, exp2_neg, isqrt, isqrt_u32, log2_ratio, quotient};
-pub use mask::Mask;
+pub use mask::{Mask, Selection, WideMask};
 pub use vectors::{Scalar, approach, dot, squared_distance, squared_norm};
 
 pub(crate) use vectors::high_product;

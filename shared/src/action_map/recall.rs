@@ -2,7 +2,7 @@
 
 use super::ActionMap;
 use crate::fixed::{
-    Mask, ONE_BITS, Weight, isqrt, quotient, squared_norm, to_weight16, unit_weight,
+    Mask, ONE_BITS, Selection, Weight, isqrt, quotient, squared_norm, to_weight16, unit_weight,
 };
 use serde::{Deserialize, Serialize};
 
@@ -27,7 +27,7 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         wanted: &[Weight; SENSORS],
         mask: Mask,
         probe: Probe,
-        allowed: Mask,
+        allowed: impl Selection,
     ) -> Answer {
         let mut found = Match::none();
         self.matches(wanted, mask, probe, allowed, &mut found);
@@ -46,7 +46,7 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         wanted: &[Weight; SENSORS],
         mask: Mask,
         probe: Probe,
-        allowed: Mask,
+        allowed: impl Selection,
         found: &mut Match<NEURONS>,
     ) {
         found.scores = None;
@@ -101,7 +101,7 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
     /// Mean of the neurons' actions, weighted by the fourth power of their scores. Neurons with a
     /// score of 0 or less, or outside `allowed`, have weight 0. Zero if all have.
     #[inline(never)]
-    pub(crate) fn together(&self, found: &Match<NEURONS>, allowed: Mask) -> [Weight; 2] {
+    pub(crate) fn together(&self, found: &Match<NEURONS>, allowed: impl Selection) -> [Weight; 2] {
         let Some(scores) = &found.scores else {
             return [Weight::ZERO; 2];
         };
@@ -214,7 +214,7 @@ pub(super) fn scaled_to_unit<const SENSORS: usize>(
 
 /// Index of the highest score among the neurons in `allowed`, the lowest on ties. If `allowed` is
 /// empty, all neurons are candidates.
-fn argmax(scores: &[i64], allowed: Mask) -> usize {
+fn argmax<S: Selection>(scores: &[i64], allowed: S) -> usize {
     let mut best: Option<(usize, i64)> = None;
     for (index, &score) in scores.iter().enumerate() {
         if allowed.contains(index) && best.is_none_or(|(_, highest)| score > highest) {
@@ -223,7 +223,7 @@ fn argmax(scores: &[i64], allowed: Mask) -> usize {
     }
     match best {
         Some((index, _)) => index,
-        None if allowed == Mask::ALL => 0,
-        None => argmax(scores, Mask::ALL),
+        None if allowed == S::ALL => 0,
+        None => argmax(scores, S::ALL),
     }
 }

@@ -6,7 +6,7 @@ use super::tracked::Tracked;
 use super::{Decision, Mode, Motion, Outputs, State, StopReason};
 use crate::action_map::Effect;
 use crate::config::{Config, LearnFrom, PlannerKind};
-use crate::fixed::Mask;
+use crate::fixed::{Mask, Selection, WideMask};
 use crate::goal::{Goal, GoalFrame};
 use crate::memory::{self, Sample};
 use crate::planner::{Plan, Planner, Why};
@@ -18,6 +18,9 @@ use crate::units::{Bearing, Direction, Displacement, Millis};
 
 /// The end of a way is reached within this, millimeters.
 const ARRIVED_MM: u32 = 100;
+
+/// Neurons that a [`Mask`] can leave out; larger maps need a [`WideMask`].
+const MASKED_NEURONS: usize = 32;
 
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     State<SENSORS, NEURONS, SAMPLES>
@@ -103,8 +106,13 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         if config.planning.planner != PlannerKind::Recall {
             self.actions.keep_products();
         }
-        let Some((plan, facing)) = self.plan_step(config, enabled, &situation.0, current, cut)
-        else {
+        let situation_now = &situation.0;
+        let planned = if NEURONS > MASKED_NEURONS {
+            self.plan_step::<WideMask>(config, enabled, situation_now, current, cut)
+        } else {
+            self.plan_step::<Mask>(config, enabled, situation_now, current, cut)
+        };
+        let Some((plan, facing)) = planned else {
             return Outputs::none();
         };
         let outputs = self.start_motion(config, now, situation, plan.action, Some(&plan));
@@ -117,7 +125,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 
     /// Plans one step towards the goal, or away from it while the robot wanders; with the direction
     /// that the robot keeps facing while it follows something.
-    fn plan_step(
+    fn plan_step<S: Selection>(
         &mut self,
         config: &Config<SENSORS>,
         enabled: Mask,
@@ -125,7 +133,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         current: Option<usize>,
         cut: bool,
     ) -> Option<(Plan<SENSORS>, Option<Direction>)> {
-        let allowed = self.allowed_neurons();
+        let allowed = self.allowed_neurons::<S>();
         // Borrowed: a copy would be expensive.
         let Mode::Seek { goal } = &self.mode else {
             return None;
@@ -184,8 +192,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     /// The action neurons that are not inhibited.
-    fn allowed_neurons(&mut self) -> Mask {
-        let mut allowed = Mask::ALL;
+    pub(super) fn allowed_neurons<S: Selection>(&mut self) -> S {
+        let mut allowed = S::ALL;
         if self.inhibited_mut().next().is_some() {
             let inhibited = self.inhibited.iter().enumerate();
             for (neuron, _) in inhibited.filter(|(_, left)| **left > 0) {

@@ -8,6 +8,7 @@ use crate::units::Range;
 use crate::units::{Bearing, Displacement};
 use std::vec::Vec;
 
+mod large_maps;
 mod online;
 mod supervise;
 mod ways;

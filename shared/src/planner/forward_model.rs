@@ -49,7 +49,9 @@ impl<const SENSORS: usize> ForwardModel<SENSORS> {
             (xx, xy, yy) = (xx + x * x, xy + x * y, yy + y * y);
             *vector = (x, y);
         }
-        let inverse = Inverse::of(xx, xy, yy);
+        // The sums over 31 neurons always fit; those of larger maps are scaled, all alike.
+        let scale = NEURONS.max(16).ilog2().saturating_sub(4);
+        let inverse = Inverse::of(xx >> scale, xy >> scale, yy >> scale);
         for (sensor, line) in self.lines.iter_mut().enumerate() {
             let (mut along_x, mut along_y) = (0_i64, 0_i64);
             for ((x, y), change) in vectors.iter().zip(actions.changes().code()) {
@@ -59,8 +61,8 @@ impl<const SENSORS: usize> ForwardModel<SENSORS> {
                     .map_or(0, |change| i64::from(to_weight16(change).to_bits()));
                 (along_x, along_y) = (along_x + x * change, along_y + y * change);
             }
-            // The sum over 31 neurons always fits.
-            let sum = |sum: i64| sum.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
+            let sum =
+                |sum: i64| (sum >> scale).clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
             (line.along_x, line.along_y) = inverse.slopes([sum(along_x), sum(along_y)]);
         }
     }
@@ -269,6 +271,26 @@ mod tests {
             for (a, b) in vectors.as_flattened().iter().zip(turns.as_flattened()) {
                 prop_assert!((a - b).abs() < 60, "{} {}", a, b);
             }
+        }
+    }
+
+    /// The sums of 64 neurons exceed 32 bits; the slopes stay.
+    #[test]
+    fn maps_of_64_neurons_are_fitted_as_well() {
+        let bits = |x: i16, y: i16| [Weight::from_bits(x), Weight::from_bits(y)];
+        let actions =
+            core::array::from_fn(|k| bits(8_192, if k % 2 == 0 { 8_192 } else { -8_192 }));
+        let changes = actions.map(|[x, y]: [Weight; 2]| [x, y]);
+        let map = ActionMap::<64, 2>::new(Grid::rectangle(8, 8), changes, actions);
+        let mut forward = ForwardModel::from(&[Weight::ZERO; 2]);
+        forward.fit(&map, ActionCode::Displacement, 250);
+        let found: Vec<_> = forward
+            .lines()
+            .iter()
+            .flat_map(|l| [l.along_x, l.along_y])
+            .collect();
+        for (found, exact) in found.into_iter().zip([8_192, 0, 0, 8_192]) {
+            assert!((found - exact).abs() <= 2, "{found} {exact}");
         }
     }
 

@@ -39,9 +39,9 @@ impl SearchCache {
     }
 
     /// The goal neuron for the goal's bounds, rotated to the travel sensor.
-    pub(super) fn goal_neuron<const SENSORS: usize, const NEURONS: usize>(
+    pub(super) fn goal_neuron<const SENSORS: usize, const NEURONS: usize, S>(
         &mut self,
-        planner: &Planner<'_, SENSORS, NEURONS>,
+        planner: &Planner<'_, SENSORS, NEURONS, S>,
         travel: usize,
         bounds: &[ValueBounds; SENSORS],
     ) -> usize {

@@ -8,7 +8,7 @@ use super::cost_surface::CostSurface;
 use super::forward_model::ForwardModel;
 use super::{MAX_COST, Plan, Planner, Why, argmin};
 use crate::config::PlannerKind;
-use crate::fixed::{Mask, ONE_BITS, Weight, Weight32, to_weight16};
+use crate::fixed::{ONE_BITS, Selection, Weight, Weight32, to_weight16};
 use crate::goal::{Goal, GoalFrame, ValueBounds, cost_of};
 use crate::scan::Situation;
 use crate::units::{Direction, Displacement};
@@ -41,8 +41,8 @@ pub(super) struct GoalView<'a, const SENSORS: usize> {
 }
 
 impl<'a, const SENSORS: usize> GoalView<'a, SENSORS> {
-    pub(super) fn new<const NEURONS: usize>(
-        planner: &Planner<'_, SENSORS, NEURONS>,
+    pub(super) fn new<const NEURONS: usize, S>(
+        planner: &Planner<'_, SENSORS, NEURONS, S>,
         goal: &'a Goal<SENSORS>,
         bounds: &'a [ValueBounds; SENSORS],
         travel: usize,
@@ -121,7 +121,7 @@ fn part(direction: Direction, share_q2: i32) -> Direction {
     }
 }
 
-impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
+impl<const SENSORS: usize, const NEURONS: usize, S: Selection> Planner<'_, SENSORS, NEURONS, S> {
     /// The transducer along which a goal in the frame of travel fits the situation best, with a
     /// preference for the course; 0 for other goals.
     #[must_use]
@@ -321,7 +321,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     }
 
     fn is_allowed(&self, direction: Direction) -> bool {
-        self.allowed == Mask::ALL || self.allowed.contains(self.neuron_of(direction))
+        self.allowed == S::ALL || self.allowed.contains(self.neuron_of(direction))
     }
 }
 
@@ -330,6 +330,7 @@ mod tests {
     use super::*;
     use crate::action_map::ActionMap;
     use crate::config::Config;
+    use crate::fixed::Mask;
     use crate::goal::Component;
     use crate::som::{Grid, Som};
     use crate::units::Bearing;

@@ -83,6 +83,55 @@ impl Mask {
     }
 }
 
+/// A set of components or neurons, whatever its capacity.
+pub trait Selection: Copy + PartialEq {
+    /// Selects all.
+    const ALL: Self;
+
+    /// Whether `index` is selected.
+    #[must_use]
+    fn contains(self, index: usize) -> bool;
+
+    /// This set without `index`.
+    #[must_use]
+    fn without(self, index: usize) -> Self;
+}
+
+impl Selection for Mask {
+    const ALL: Self = Self::ALL;
+
+    #[inline]
+    fn contains(self, index: usize) -> bool {
+        Self::contains(self, index)
+    }
+
+    #[inline]
+    fn without(self, index: usize) -> Self {
+        Self::without(self, index)
+    }
+}
+
+/// As [`Mask`], for up to 64 components: larger ones are always selected. Twice as large, so only
+/// for maps that need it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct WideMask(u64);
+
+impl Selection for WideMask {
+    const ALL: Self = Self(u64::MAX);
+
+    fn contains(self, index: usize) -> bool {
+        index >= 64 || self.0 & (1 << index) != 0
+    }
+
+    fn without(self, index: usize) -> Self {
+        if index < 64 {
+            Self(self.0 & !(1 << index))
+        } else {
+            self
+        }
+    }
+}
+
 const fn first_bits(count: usize) -> u32 {
     if count >= 32 {
         u32::MAX

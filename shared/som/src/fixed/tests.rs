@@ -65,6 +65,17 @@ fn a_mask_selects_its_bits_and_all_components_from_32() {
 }
 
 #[test]
+fn a_wide_mask_leaves_out_any_of_64() {
+    for index in [0, 31, 32, 40, 63] {
+        let others = WideMask::ALL.without(index);
+        assert!(!others.contains(index), "{index}");
+        let left_out = (0..70).filter(|k| !others.contains(*k)).count();
+        assert_eq!(left_out, 1, "{index}");
+    }
+    assert_eq!(WideMask::ALL.without(64), WideMask::ALL);
+}
+
+#[test]
 fn the_indices_of_a_mask_come_in_order() {
     let indices = |mask: Mask, count| mask.indices(count).collect::<Vec<_>>();
     assert_eq!(indices(Mask::from_bits(0b1_0110), 4), [1, 2]);
