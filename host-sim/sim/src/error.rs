@@ -19,6 +19,8 @@ pub enum EpisodeError {
     Log(String),
     /// The robot has no memory of places.
     NoPlaces,
+    /// Its maps do not have 16 neurons, so they cannot be read or drawn.
+    OtherNeurons,
 }
 
 impl std::fmt::Display for EpisodeError {
@@ -32,6 +34,7 @@ impl std::fmt::Display for EpisodeError {
             Self::Stopped(reason) => write!(f, "the robot stopped: {}", stop_reason(*reason)),
             Self::Link(why) | Self::World(why) | Self::Log(why) => f.write_str(why),
             Self::NoPlaces => f.write_str("the controller has no memory of places"),
+            Self::OtherNeurons => f.write_str("only maps of 16 neurons can be read or drawn"),
         }
     }
 }

@@ -3,20 +3,35 @@
 use crate::error::EpisodeError;
 use crate::robot::MAX_BEAMS;
 use crate::senses::{Readings, SenseGoal};
+use amp::action_map::ActionMap;
 use amp::config::Config;
 use amp::controller::{self, Event, Outputs, State};
 use amp::faults::SensorVerdict;
 use amp::fixed::Mask;
+use amp::memory;
 use amp::places::Aim;
 use amp::som::Grid;
 use amp::turret::BodySpec;
 use amp::units::{Millis, Range};
+use std::any::Any;
 
 /// Capacity of the simulator's memory for random moves.
 pub const MAX_MOVES: u16 = 1_000;
 
 /// The controller's state, with a larger memory than on the chip.
-pub type SimState = State<16, 16, { MAX_MOVES as usize }>;
+pub type SimState = SizedState<16>;
+
+/// As [`SimState`], with maps of this many neurons.
+pub type SizedState<const NEURONS: usize> = State<16, NEURONS, { MAX_MOVES as usize }>;
+
+/// What was known in the situation before the first move. A body's sensors do not see all at once,
+/// and a range that jumped during the first move (`Learning::largest_change_mm`) belonged to an
+/// edge or was noise: a place is not recognized by it.
+#[must_use]
+pub fn nest_known<const NEURONS: usize>(knowledge: &SizedState<NEURONS>) -> Mask {
+    let first = knowledge.memory().samples().first();
+    first.map_or(Mask::ALL, |sample| memory::from_bytes(&sample.before).1)
+}
 
 /// An echo with its age, as a pilot receives it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -115,6 +130,14 @@ pub trait InspectableController: Pilot {
     /// When they are remote and cannot be read.
     fn knowledge(&mut self) -> Result<&SimState, EpisodeError>;
 
+    /// What was known in the situation before the first move: [`nest_known`].
+    ///
+    /// # Errors
+    /// As [`knowledge`](Self::knowledge).
+    fn known_at_nest(&mut self) -> Result<Mask, EpisodeError> {
+        Ok(nest_known(self.knowledge()?))
+    }
+
     /// The body as it is known; `None` for a ring on a held turret.
     ///
     /// # Errors
@@ -155,28 +178,44 @@ impl<P: InspectableController> InspectableController for &mut P {
         (**self).knowledge()
     }
 
+    fn known_at_nest(&mut self) -> Result<Mask, EpisodeError> {
+        (**self).known_at_nest()
+    }
+
     fn body(&mut self) -> Result<Option<BodySpec<MAX_BEAMS>>, EpisodeError> {
         (**self).body()
     }
 }
 
-/// The controller in this process: the same crate as on the microcontroller.
-pub struct LocalController {
+/// The controller in this process: the same crate as on the microcontroller, with maps of any size.
+pub struct LocalController<const NEURONS: usize = 16> {
     config: Config<16>,
-    state: Box<SimState>,
+    state: Box<SizedState<NEURONS>>,
     verdicts: Vec<SensorVerdict>,
 }
 
 impl LocalController {
-    /// A controller without any knowledge.
+    /// A controller without any knowledge, with maps of 16 neurons.
     #[must_use]
     pub fn new(config: Config<16>) -> Self {
-        Self::with_state(config, State::new(Grid::rectangle(4, 4)))
+        Self::sized(config, Grid::rectangle(4, 4))
     }
 
     /// A controller with this knowledge.
     #[must_use]
-    pub fn with_state(config: Config<16>, mut state: SimState) -> Self {
+    pub fn with_state(config: Config<16>, state: SimState) -> Self {
+        Self::of(config, state)
+    }
+}
+
+impl<const NEURONS: usize> LocalController<NEURONS> {
+    /// A controller without any knowledge; its maps have this grid of `NEURONS` places.
+    #[must_use]
+    pub fn sized(config: Config<16>, grid: Grid) -> Self {
+        Self::of(config, State::new(grid))
+    }
+
+    fn of(config: Config<16>, mut state: SizedState<NEURONS>) -> Self {
         state.expect_open_space(config.open_space);
         Self {
             config,
@@ -213,12 +252,17 @@ impl LocalController {
 
     /// Maps and memory.
     #[must_use]
-    pub fn state(&self) -> &SimState {
+    pub fn state(&self) -> &SizedState<NEURONS> {
         &self.state
+    }
+
+    /// Replaces the action map by one that was not learned; everything else stays.
+    pub fn replace_actions(&mut self, actions: ActionMap<NEURONS, 16>) {
+        self.state.replace_actions(actions);
     }
 }
 
-impl Pilot for LocalController {
+impl<const NEURONS: usize> Pilot for LocalController<NEURONS> {
     // Callers pass a constant kind of event, so inlining leaves only the code for that kind.
     #[inline(always)]
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
@@ -230,8 +274,13 @@ impl Pilot for LocalController {
     }
 }
 
-impl InspectableController for LocalController {
+impl<const NEURONS: usize> InspectableController for LocalController<NEURONS> {
     fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
-        Ok(&self.state)
+        let state: &dyn Any = &*self.state;
+        state.downcast_ref().ok_or(EpisodeError::OtherNeurons)
+    }
+
+    fn known_at_nest(&mut self) -> Result<Mask, EpisodeError> {
+        Ok(nest_known(&self.state))
     }
 }

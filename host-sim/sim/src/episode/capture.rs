@@ -1,11 +1,9 @@
 //! What a robot perceives at a given place, and what of it the place can be recognized by.
 
 use super::Seeds;
-use crate::pilot::SimState;
 use crate::robot::AnyRobot;
 use amp::config::Config;
 use amp::fixed::Mask;
-use amp::memory;
 use amp::scan::Situation;
 use amp::units::Range;
 use arena::noise::Noise;
@@ -112,15 +110,6 @@ impl<'a> Listener<'a> {
         }
         ranges
     }
-}
-
-/// What was known in the situation before the first move. A body's sensors do not see all at once,
-/// and a range that jumped during the first move (`Learning::largest_change_mm`) belonged to an
-/// edge or was noise: a place is not recognized by it.
-#[must_use]
-pub fn nest_known(knowledge: &SimState) -> Mask {
-    let first = knowledge.memory().samples().first();
-    first.map_or(Mask::ALL, |sample| memory::from_bytes(&sample.before).1)
 }
 
 #[cfg(test)]

@@ -2,7 +2,6 @@
 
 use super::Seeds;
 use super::body::{Body, Collision, StepResult, milliseconds};
-use super::capture::nest_known;
 use super::measure::Measure;
 use super::metrics::{EpisodeReport, Metrics, StepFlags};
 use super::record::StepRecorder;
@@ -88,7 +87,7 @@ pub fn run_observed<'w>(
     mut progress: impl FnMut(Phase, u32, u32),
 ) -> Result<Episode, EpisodeError> {
     let (mut runner, exploration) = explored(world, setup, controller, observer, &mut progress)?;
-    runner.nest_known = nest_known(controller.knowledge()?);
+    runner.nest_known = controller.known_at_nest()?;
     if matches!(setup.behavior, Behavior::Nest { .. }) {
         runner.tour(controller, setup, |_| {})?;
         // Nobody carries a robot that drives.

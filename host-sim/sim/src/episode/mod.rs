@@ -18,11 +18,12 @@ mod places;
 mod pursue;
 mod record;
 mod setup;
+mod sized;
 mod sources;
 
 pub use body::milliseconds;
 pub use body::{Body, Collision, Moved, StepResult};
-pub use capture::{nest_known, perceive};
+pub use capture::perceive;
 pub use drive::{
     Episode, Observer, Phase, drive_pilot, explore_and_learn, run, run_observed, run_with,
 };
@@ -35,6 +36,7 @@ pub use patrol::{Arrival, Destination, patrol};
 pub use places::elsewhere;
 pub use pursue::{CARRY_TIME_S, repeat};
 pub use setup::Setup;
+pub use sized::{NEURON_COUNTS, run_sized, square_grid};
 pub use sources::{completed_world, with_missing_sources};
 
 use rand_core::{Rng as _, SeedableRng as _};

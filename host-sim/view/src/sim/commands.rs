@@ -16,7 +16,8 @@ use files::error::BadInput;
 use remote::link::AnyController;
 use remote::log::LoggedController;
 use sim::behavior::Behavior;
-use sim::episode::{CARRY_TIME_S, Seeds, nest_known};
+use sim::episode::{CARRY_TIME_S, Seeds};
+use sim::pilot::nest_known;
 
 impl Simulator {
     pub(super) fn execute_command(
