@@ -19,6 +19,7 @@ mod chip_places;
 mod chip_python;
 mod chip_twin;
 mod compare;
+mod controls;
 mod damaged_logs;
 mod defects;
 mod demonstrations;

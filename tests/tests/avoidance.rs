@@ -9,6 +9,7 @@ const IDEAL: AblationTrial = AblationTrial {
     explore_moves: 100,
     steps: 1_000,
     seed: 1,
+    neurons: 16,
     sonar: SonarModel::Ideal,
 };
 

@@ -484,6 +484,13 @@ const CASES: &[Case] = &[
     ("run extra", &["extra"]),
     ("ablation --only nothing-like-it", &["nothing-like-it"]),
     ("ablation --rooms 0", &["--rooms"]),
+    ("ablation --neurons 15", &["--neurons", "64"]),
+    ("controls --only nothing-like-it", &["nothing-like-it"]),
+    ("controls --preset touzet", &["--preset touzet"]),
+    ("controls --by moves --explore 5", &["--explore", "--by"]),
+    ("controls --json --markdown", &["--json", "--markdown"]),
+    ("run --neurons 64 --out page", &["--neurons 64", "--out"]),
+    ("run --neurons 9 --robot p3dx", &["--neurons 9", "--robot"]),
     ("completions abacus", &["abacus"]),
 ];
 

@@ -18,10 +18,10 @@ fn any_number_of_threads_gives_the_same_bytes() {
         names,
         ["compare.csv", "compare.md", "compare.png", "compare.svg"]
     );
-    // 7 methods with one number of moves, random and three rules, lazy Q with two, three learners
+    // 8 methods with one number of moves, random and three rules, lazy Q with two, three learners
     // with two; with and without shield.
     let csv = String::from_utf8(files[0].1.clone()).expect("UTF-8");
-    assert_eq!(csv.lines().count(), 1 + 2 * (5 + 4 + 2 + 3 * 2));
+    assert_eq!(csv.lines().count(), 1 + 2 * (8 + 4 + 2 + 3 * 2));
     assert!(run(2) == (text.clone(), files));
     // Times appear on standard error only.
     assert_eq!(
@@ -65,6 +65,10 @@ fn bad_input_is_named() {
         ("--world random:x", "random:x"),
         ("--tune default", "--tune default"),
         ("--robot p3dx", "needs --ranges nomad"),
+        (
+            "--robot p3dx --ranges nomad --methods cosine",
+            "--methods cosine",
+        ),
         ("--robot p3dy --ranges nomad", "did you mean \"p3dx\"?"),
     ] {
         let output = host_sim!().run(&words(&format!("compare {flags}")));

@@ -11,7 +11,7 @@ use arena::world::World;
 use files::error::BadInput;
 use rayon::prelude::*;
 use sim::behavior::Behavior;
-use sim::episode::{Body, Seeds, Setup, drive_pilot, run};
+use sim::episode::{Body, Seeds, Setup, drive_pilot, run_sized};
 use sim::error::EpisodeError;
 use sim::ring_pilot::RingPilot;
 use sim::settings;
@@ -49,6 +49,8 @@ pub struct AblationTrial {
     pub seed: u64,
     /// Sonar model.
     pub sonar: SonarModel,
+    /// Neurons of each map, one of [`NEURON_COUNTS`](sim::episode::NEURON_COUNTS).
+    pub neurons: u8,
 }
 
 /// Means over the rooms.
@@ -279,7 +281,7 @@ fn mind(
         second_robot: false,
         record: false,
     };
-    let report = run(world, &setup, |_, _, _| {})?.report;
+    let report = run_sized(trial.neurons, world, &setup, |_, _, _| {})?.report;
     Ok(AblationFigures {
         clean: u32::from(report.contacts == 0),
         clean_exploring: u32::from(report.explore_contacts == 0),

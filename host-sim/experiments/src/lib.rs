@@ -1,5 +1,6 @@
 //! Measurements over many rooms: the paper's claims, comparisons with other methods, ablations,
 //! BARN, sweeps, sequences.
+//! controls, BARN, sweeps.
 
 pub mod ablation;
 pub mod arm;
@@ -9,6 +10,7 @@ pub mod behaviors;
 pub mod bodies;
 pub mod compare;
 pub mod demonstrations;
+pub mod controls;
 pub mod errands;
 pub mod faults;
 pub mod paper;

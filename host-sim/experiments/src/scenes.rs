@@ -76,6 +76,15 @@ pub static SCENES: &[BehaviorScene] = &[
     .set_down_at(rooms::inside),
 ];
 
+/// Scenes in worlds of twelve other kinds (corridors, mazes, halls …), on which nothing was tuned.
+pub static OTHER_KINDS: &[BehaviorScene] = &[
+    BehaviorScene::new("avoid", "other kinds", World::random2).requires(clean, "clean worlds", ""),
+    BehaviorScene::new("avoid", "other kinds", World::random2).requires(area, "area m²", ""),
+    BehaviorScene::new("wall-right", "other kinds", World::random2)
+        .requires(success, "error m", ""),
+    BehaviorScene::new("nest", "other kinds", World::random2).requires(success, "reached", ""),
+];
+
 fn clean(report: &EpisodeReport) -> f64 {
     f64::from(u8::from(report.contacts == 0))
 }

@@ -2,7 +2,7 @@
 
 use super::output::bar;
 use super::run::SonarChoice;
-use super::{CliError, table};
+use super::{CliError, neurons, table};
 use clap::Args;
 use experiments::ablation::{
     AblationFigures, AblationTrial, Variant, VariantDriver, behavior_variants, measure, variants,
@@ -30,6 +30,9 @@ pub struct AblationArgs {
     /// Sonar model
     #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
     sonar: SonarChoice,
+    /// Neurons of each map: 4, 9, 16, 25, 36, 49 or 64
+    #[arg(long, value_name = "N", default_value_t = 16, conflicts_with = "behaviors", value_parser = neurons::parsed)]
+    neurons: u8,
     /// Only rows whose name contains this text
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
@@ -129,6 +132,7 @@ fn avoidance_row(
         steps: args.steps,
         seed: args.seed,
         sonar: args.sonar.into(),
+        neurons: args.neurons,
     };
     let figures = measure(variant, &trial)?;
     Ok(row(&variant.name, &figures, f64::from(args.rooms)))

@@ -12,6 +12,7 @@ mod bodies;
 mod bridge;
 mod capture;
 mod compare;
+mod controls;
 mod demo;
 mod demonstrations;
 mod errands;
@@ -20,6 +21,7 @@ mod goal;
 mod learn;
 mod link;
 mod log;
+mod neurons;
 mod nomad;
 mod output;
 mod paper;
@@ -91,6 +93,8 @@ enum CliCommand {
     Settings,
     /// Measure the effect of each option, changed one at a time over many random rooms
     Ablation(ablation::AblationArgs),
+    /// Measure what is left of every behavior with something trivial in place of the action map
+    Controls(controls::ControlsArgs),
     /// List the behaviors with measured results, without and with the shield
     Behaviors(behaviors::BehaviorsArgs),
     /// Measure robots whose sensors stand anywhere on their bodies
@@ -202,6 +206,7 @@ fn execute(command: Option<CliCommand>, out: &mut impl Write) -> Result<(), CliE
         Some(CliCommand::Worlds(args)) => worlds::worlds(&args, out),
         Some(CliCommand::Settings) => settings(out),
         Some(CliCommand::Ablation(args)) => ablation::ablation(&args, out),
+        Some(CliCommand::Controls(args)) => controls::controls(&args, out),
         Some(CliCommand::Behaviors(args)) => behaviors::behaviors(&args, out),
         Some(CliCommand::Capture(args)) => capture::capture(&args, out),
         Some(CliCommand::Goal(args)) => goal::goal(&args, out),

@@ -2,6 +2,7 @@
 
 use super::CliError;
 use super::goal;
+use super::neurons::NeuronArgs;
 use super::output::{bar, pool, prepare};
 use super::remote::{MindArgs, MindChoice, Remote, needs_places};
 use super::setup::SetupArgs;
@@ -41,6 +42,8 @@ pub struct RunArgs {
     worlds: Vec<String>,
     #[command(flatten)]
     setup: SetupArgs,
+    #[command(flatten)]
+    neurons: NeuronArgs,
     /// Pursue the goal of this FILE instead of the behavior's own, by whose measure the robot is
     /// judged (see `host-sim goal`); with avoid, avoid-right, wall-left, wall-right, nest or follow
     #[arg(long, value_name = "FILE")]
@@ -49,21 +52,21 @@ pub struct RunArgs {
     #[arg(long, value_name = "STEPS", default_value_t = 1_000, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_STEPS)))]
     steps: u32,
     #[command(flatten)]
-    mind: MindArgs,
+    pub(super) mind: MindArgs,
     /// Print one JSON object per world instead of a table
     #[arg(long)]
     json: bool,
     /// Write pictures and a page for each world into this folder
     #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    pub(super) out: Option<PathBuf>,
     /// Write the controller's final state into this file, for `host-sim link … upload` (one world,
     /// --mind host)
     #[arg(long, value_name = "FILE")]
-    save: Option<PathBuf>,
+    pub(super) save: Option<PathBuf>,
     /// Write all events and answers of the controller into a new FILE in the MCAP format (one world
     /// only), for `replay`, `log` and other tools
     #[arg(long, value_name = "FILE")]
-    log: Option<PathBuf>,
+    pub(super) log: Option<PathBuf>,
     /// Worker threads [default: one per core]; they do not affect the results
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -203,6 +206,7 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), CliError> {
     let sources = sources(&args.worlds)?;
     check_outputs(args, sources.len())?;
     check_robot(&setup)?;
+    args.neurons.check(args, &setup)?;
     let mut remote = Remote::connect(&args.mind, setup.explore_moves, setup.robot.as_ref())?;
     if let Some(remote) = &mut remote {
         check_remote(args, &setup, remote)?;
@@ -296,7 +300,10 @@ fn in_parallel(
             let folder = folder(args, number * CHUNK + index, source, sources.len());
             let mut mind = SimController::new(&setup.config, setup.robot.as_ref());
             let report = episode(source, folder.as_deref(), |world| {
-                drive(world, setup, &mut mind, args.log.as_deref())
+                match args.neurons.other() {
+                    Some(neurons) => episode::run_sized(neurons, world, setup, |_, _, _| {}),
+                    None => drive(world, setup, &mut mind, args.log.as_deref()),
+                }
             })?;
             if let Some(file) = &args.save {
                 Knowledge::of_controller(&mind).save(file)?;

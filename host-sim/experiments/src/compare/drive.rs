@@ -7,6 +7,7 @@ use crate::baselines::{
     Learner, LearnerDriver, NearestSample, PotentialField, QLazy, QSom, QTable, QTwoSoms,
     RandomMoves, VfhPlus, learning::LearnerTraining, nearest,
 };
+use crate::controls::{ControlPilot, Slot};
 use amp::config::Config;
 use amp::controller::StatePart;
 use arena::noise::Noise;
@@ -116,6 +117,9 @@ pub fn drive(
             let (tuning, training) = constants.q_two_soms;
             place.train_and_measure(QTwoSoms::new(tuning), training, budgets)
         }
+        ComparedMethod::Cosine | ComparedMethod::LeastSquares | ComparedMethod::NearestFit => {
+            place.control(candidate.method, budgets, seed)
+        }
         ComparedMethod::Default => place.controller(Config::recommended(), TurretMode::Held, seed),
         ComparedMethod::Probe => place.controller(Config::probing(), TurretMode::Held, seed),
         ComparedMethod::Touzet => place.controller(Config::touzet(), TurretMode::Follow, seed),
@@ -217,18 +221,42 @@ impl MeasuredSite<'_> {
 
     fn controller(
         &self,
-        mut config: Config<16>,
+        config: Config<16>,
         turret: TurretMode,
         seed: u64,
     ) -> Result<Vec<MethodOutcome>, EpisodeError> {
+        let setup = self.setup(config, turret, seed);
+        let controller = SimController::new(&setup.config, self.robot.as_ref());
+        Ok(vec![self.observed(&setup, controller)?])
+    }
+
+    /// The preset `default` with something else in place of its action map.
+    fn control(
+        &self,
+        method: ComparedMethod,
+        budgets: &[u32],
+        seed: u64,
+    ) -> Result<Vec<MethodOutcome>, EpisodeError> {
+        let mut config = Config::recommended();
+        config.online = None;
+        let mut setup = self.setup(config, TurretMode::Held, seed);
+        // The controller seeks after it has explored: one move where none is needed.
+        let moves = budgets.first().copied().unwrap_or(MOVES);
+        setup.explore_moves = moves.max(1) as u16;
+        let slot = method.slot().unwrap_or(Slot::Trained);
+        let controller = ControlPilot::<16>::new(setup.config.clone(), slot);
+        Ok(vec![self.observed(&setup, controller)?])
+    }
+
+    fn setup(&self, mut config: Config<16>, turret: TurretMode, seed: u64) -> Setup {
         if !self.conditions.shield {
             config.shield = None;
         }
         if let Some(robot) = &self.robot {
             config = robot.config(config);
         }
-        let setup = Setup {
-            config: config.clone(),
+        Setup {
+            config,
             preset: String::new(),
             behavior: Behavior::Avoid,
             explore_moves: MOVES as u16,
@@ -243,9 +271,7 @@ impl MeasuredSite<'_> {
             goal: None,
             second_robot: false,
             record: false,
-        };
-        let controller = SimController::new(&config, self.robot.as_ref());
-        Ok(vec![self.observed(&setup, controller)?])
+        }
     }
 
     /// Measures the controller.
@@ -329,7 +355,8 @@ mod tests {
     fn every_method_drives_another_robot_and_its_guard_keeps_it_from_what_it_sees() {
         let model = RobotModel::builtin("p3dx").expect("built in");
         let robot = AnyRobot::new(model, Ranges::Nomad, false).expect("it fits");
-        for method in ComparedMethod::ALL {
+        let on_any_robot = |method: &ComparedMethod| method.slot().is_none();
+        for method in ComparedMethod::ALL.into_iter().filter(on_any_robot) {
             let conditions = Conditions {
                 robot: Some(robot.clone()),
                 shield: true,

@@ -5,6 +5,7 @@ use crate::baselines::{
     vfh_plus,
 };
 
+use crate::controls::Slot;
 use files::error::BadInput;
 use sim::braitenberg;
 use std::str::FromStr;
@@ -32,6 +33,12 @@ pub enum ComparedMethod {
     QSom,
     /// Q-learning between two maps.
     QTwoSoms,
+    /// `default` with one cosine, which nobody learned, in place of its action map.
+    Cosine,
+    /// `default` with least squares on its samples in place of its action map.
+    LeastSquares,
+    /// `default` with a fit to the 32 nearest samples in place of its action map.
+    NearestFit,
     /// The controller with the preset `default`.
     Default,
     /// The controller with the preset `probe`.
@@ -42,7 +49,7 @@ pub enum ComparedMethod {
 
 impl ComparedMethod {
     /// All methods, in the order of the tables.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 16] = [
         Self::Default,
         Self::Probe,
         Self::Touzet,
@@ -52,6 +59,9 @@ impl ComparedMethod {
         Self::VfhPlus,
         Self::NearestChange,
         Self::NearestPair,
+        Self::Cosine,
+        Self::LeastSquares,
+        Self::NearestFit,
         Self::QLazy,
         Self::QTable,
         Self::QSom,
@@ -72,9 +82,27 @@ impl ComparedMethod {
             Self::QTable => "q-table",
             Self::QSom => "q-som",
             Self::QTwoSoms => "q-two-soms",
+            Self::Cosine => "cosine",
+            Self::LeastSquares => "least-squares",
+            Self::NearestFit => "nearest-fit",
             Self::Default => "default",
             Self::Probe => "probe",
             Self::Touzet => "touzet",
+        }
+    }
+
+    /// What stands in place of the action map of `default`, without learning online. Only on the
+    /// Nomad's own ring.
+    #[must_use]
+    pub const fn slot(self) -> Option<Slot> {
+        match self {
+            Self::Cosine => Some(Slot::Cosine { gain: 1.0 }),
+            Self::LeastSquares => Some(Slot::LeastSquares { turned: true }),
+            Self::NearestFit => Some(Slot::Nearest {
+                count: 32,
+                turned: true,
+            }),
+            _ => None,
         }
     }
 
@@ -91,7 +119,11 @@ impl ComparedMethod {
     #[must_use]
     pub fn budgets(self, requested: &[u32]) -> Vec<u32> {
         match self {
-            Self::Random | Self::Braitenberg | Self::PotentialField | Self::VfhPlus => vec![0],
+            Self::Random
+            | Self::Braitenberg
+            | Self::PotentialField
+            | Self::VfhPlus
+            | Self::Cosine => vec![0],
             Self::QLazy => vec![MOVES, 2 * MOVES],
             _ if self.learns_by_reward() => requested.to_vec(),
             _ => vec![MOVES],

@@ -193,6 +193,9 @@ pub fn tuned_constants(method: ComparedMethod) -> Vec<&'static TunedConstant> {
         ComparedMethod::QSom => (&Q_SOM, &Q_SOM_TRAINING),
         ComparedMethod::QTwoSoms => (&Q_TWO_SOMS, &Q_TWO_SOMS_TRAINING),
         ComparedMethod::Random
+        | ComparedMethod::Cosine
+        | ComparedMethod::LeastSquares
+        | ComparedMethod::NearestFit
         | ComparedMethod::Default
         | ComparedMethod::Probe
         | ComparedMethod::Touzet => (&[], &[]),

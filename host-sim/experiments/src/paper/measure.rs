@@ -247,6 +247,7 @@ fn trial(size: Size, explore_moves: u16) -> ablation::AblationTrial {
         steps: STEPS,
         seed: size.seed,
         sonar: SonarModel::Ideal,
+        neurons: 16,
     }
 }
 

@@ -27,7 +27,8 @@ pub struct CompareArgs {
     #[arg(long = "world", value_name = "WORLD", default_value = "random:1..=6")]
     worlds: Vec<String>,
     /// Methods, separated by commas: default, probe, touzet (the two maps), random, braitenberg,
-    /// potential-field, vfh-plus, nearest-change, nearest-pair, q-lazy, q-table, q-som, q-two-soms;
+    /// potential-field, vfh-plus, nearest-change, nearest-pair, cosine, least-squares, nearest-fit
+    /// (something else in place of the action map), q-lazy, q-table, q-som, q-two-soms;
     /// or all
     #[arg(long, value_name = "NAMES", default_value = "all", value_parser = parse_methods)]
     methods: Methods,
@@ -158,10 +159,27 @@ fn plan(args: &CompareArgs) -> Result<ComparisonPlan, BadInput> {
         worlds,
         first_seed: args.seed,
         seeds: args.seeds,
-        methods: args.methods.0.clone(),
+        methods: methods(args)?,
         moves: args.moves.clone(),
         conditions: conditions?,
     })
+}
+
+/// The methods; all that drive another robot, if it is one.
+fn methods(args: &CompareArgs) -> Result<Vec<ComparedMethod>, BadInput> {
+    let mut methods = args.methods.0.clone();
+    if args.robot.find_on_nomad(false)?.is_some() {
+        let are_all = methods.len() == ComparedMethod::ALL.len();
+        let other = methods.iter().find(|method| method.slot().is_some());
+        if let Some(method) = other.filter(|_| !are_all) {
+            let name = method.name();
+            return Err(BadInput::new(format!(
+                "--methods {name}: only on the Nomad's own ring, without --robot"
+            )));
+        }
+        methods.retain(|method| method.slot().is_none());
+    }
+    Ok(methods)
 }
 
 fn conditions(args: &CompareArgs, shield: bool) -> Result<Conditions, BadInput> {
