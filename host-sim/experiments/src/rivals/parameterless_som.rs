@@ -14,6 +14,8 @@ use std::f64::consts::E;
 const SIDE: usize = 4;
 /// Widest neighborhood β, in grid steps.
 const WIDEST: f64 = 2.0;
+/// An error below this, as a share of the greatest, is none.
+const LEAST_ERROR: f64 = 1e-9;
 
 /// Trains the map; returns its code vectors.
 #[must_use]
@@ -35,10 +37,11 @@ fn learn(codes: &mut [CodeVector], sample: &Transition, greatest: &mut f64) {
     let [nearest, _] = nearest_two(codes.iter(), sample);
     let error = codes[nearest].squared_distance(sample).sqrt();
     *greatest = f64::max(*greatest, error);
-    if error == 0.0 {
+    let share = error / f64::max(*greatest, LEAST_ERROR);
+    // A neuron that has come to its sample has nothing to learn, and no width to divide by.
+    if share < LEAST_ERROR {
         return;
     }
-    let share = error / *greatest;
     let width = WIDEST * libm::log(1.0 + share * (E - 1.0));
     for (neuron, code) in codes.iter_mut().enumerate() {
         let apart = squared_grid_distance(nearest, neuron);
@@ -79,6 +82,16 @@ mod tests {
             sim::statistics::mean(pairs.map(apart))
         };
         assert!(mean_apart(1.0) < 0.7 * mean_apart(99.0));
+    }
+
+    #[test]
+    fn a_neuron_that_has_come_to_its_sample_stays() {
+        let mut sample = cosines(1, 1)[0];
+        sample.change = [0.0; 16];
+        sample.moved = arena::world::Point::new(1e-18, 0.0);
+        let mut codes = vec![CodeVector::default(); UNITS];
+        learn(&mut codes, &sample, &mut 1.0);
+        assert_eq!(codes, vec![CodeVector::default(); UNITS]);
     }
 
     #[test]
