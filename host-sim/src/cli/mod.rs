@@ -103,8 +103,8 @@ enum CliCommand {
     Capture(capture::CaptureArgs),
     /// Measure goals learned from demonstrations, beside goals and rules written by hand
     Demonstrations(demonstrations::DemonstrationsArgs),
-    /// Print the goal of a behavior as a file, for `run --goal FILE` and `link goal FILE`, or learn one
-    /// from a demonstration
+    /// Print the goal of a behavior as a file, for `run --goal FILE` and `link goal FILE`, or learn
+    /// one from a demonstration
     Goal(goal::GoalArgs),
     /// Measure whether a behavior improves by repetition, compared with frozen maps
     Repetition(repetition::RepetitionArgs),

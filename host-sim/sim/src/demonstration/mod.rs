@@ -2,14 +2,13 @@
 //!
 //! The planner is taken as a model of the demonstrator, and the goal is chosen by which it would
 //! most probably have made the demonstrated moves (maximum-likelihood inverse optimal control; the
-//! choice model is that of B. Ziebart et al., *Maximum Entropy Inverse Reinforcement Learning*, AAAI
-//! 2008, for one step). All of a goal is found that way: frame, interval and weight of each
+//! choice model is that of B. Ziebart et al., *Maximum Entropy Inverse Reinforcement Learning*,
+//! AAAI 2008, for one step). All of a goal is found that way: frame, interval and weight of each
 //! component, weights of progress and of the heading. The predictions come from the maps that the
 //! robot learned by its random moves.
 //!
 //! The search begins at what the demonstrated situations have in common: a component that stays the
-//! same matters, one that varies does not ([`start`]). It moves from there along the gradient
-//! ([`likelihood`]).
+//! same matters, one that varies does not. It moves from there along the gradient.
 
 mod examples;
 mod family;
