@@ -45,7 +45,7 @@ fn any_number_of_threads_gives_the_same_bytes() {
 fn maps_of_other_sizes_drive_and_16_is_the_default() {
     let line = |flags: &str| {
         host_sim!().ok(&format!(
-            "run --json --shield off --steps 40 --world random:7 {flags}"
+            "run --json --shield off --steps 300 --world random:7 {flags}"
         ))
     };
     let default = line("");
@@ -53,6 +53,6 @@ fn maps_of_other_sizes_drive_and_16_is_the_default() {
     for neurons in [4, 64] {
         let other = line(&format!("--neurons {neurons}"));
         assert_ne!(other, default);
-        assert!(other.contains("\"steps\":40"), "{other}");
+        assert!(other.contains("\"steps\":300"), "{other}");
     }
 }

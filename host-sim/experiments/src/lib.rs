@@ -1,6 +1,5 @@
 //! Measurements over many rooms: the paper's claims, comparisons with other methods, ablations,
-//! BARN, sweeps, sequences.
-//! controls, BARN, sweeps.
+//! controls, rivals, demonstrations, arms, sequences, BARN, sweeps.
 
 pub mod ablation;
 pub mod arm;
@@ -9,8 +8,8 @@ pub mod baselines;
 pub mod behaviors;
 pub mod bodies;
 pub mod compare;
-pub mod demonstrations;
 pub mod controls;
+pub mod demonstrations;
 pub mod errands;
 pub mod faults;
 pub mod paper;
