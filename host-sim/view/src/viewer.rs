@@ -15,8 +15,9 @@ use std::time::{Duration, Instant};
 use tokio::sync::{mpsc, oneshot, watch};
 use tokio::time::MissedTickBehavior;
 
-/// A viewer that does not read for this long is disconnected.
-const SEND_TIMEOUT: Duration = Duration::from_secs(5);
+/// A viewer that does not read for this long is disconnected. A browser on a machine that is busy
+/// may pause for several seconds.
+const SEND_TIMEOUT: Duration = Duration::from_secs(15);
 
 /// Interval of pings to the steering viewer: a quarter of the shortest steering time-out.
 const PING_EVERY: Duration = Duration::from_millis(250);
