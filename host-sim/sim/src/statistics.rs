@@ -198,9 +198,72 @@ fn mean_with_tail(count: u64, probability: f64) -> f64 {
     high
 }
 
+/// Weighted least squares of a value by two coordinates, through the origin.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct PlaneFit {
+    xx: f64,
+    xy: f64,
+    yy: f64,
+    xv: f64,
+    yv: f64,
+}
+
+impl PlaneFit {
+    /// A determinant below this share of its greatest possible value leaves the slopes open.
+    const LEAST_DETERMINANT: f64 = 1e-9;
+
+    /// Adds a value at a position; `weight` is at least 0.
+    pub fn add(&mut self, weight: f64, [x, y]: [f64; 2], value: f64) {
+        self.xx += weight * x * x;
+        self.xy += weight * x * y;
+        self.yy += weight * y * y;
+        self.xv += weight * x * value;
+        self.yv += weight * y * value;
+    }
+
+    /// Slope of the value along x and along y; `None` where the positions do not span the plane.
+    #[must_use]
+    pub fn slopes(&self) -> Option<[f64; 2]> {
+        let Self { xx, xy, yy, xv, yv } = self;
+        let determinant = xx * yy - xy * xy;
+        (determinant > Self::LEAST_DETERMINANT * xx * yy).then(|| {
+            [
+                (yy * xv - xy * yv) / determinant,
+                (xx * yv - xy * xv) / determinant,
+            ]
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_plane_is_found_and_its_weights_count() {
+        let mut fit = PlaneFit::default();
+        for [x, y] in [[1.0, 0.0], [0.5, 2.0], [-1.0, 1.0]] {
+            fit.add(1.0, [x, y], 3.0 * x - 2.0 * y);
+        }
+        let [x, y] = fit.slopes().unwrap();
+        assert!((x - 3.0).abs() < 1e-12 && (y + 2.0).abs() < 1e-12);
+        // Two values at one position: the slope is that of their weighted mean, 1/4 · 4 + 3/4 · 8.
+        let mut weighted = PlaneFit::default();
+        weighted.add(1.0, [1.0, 0.0], 4.0);
+        weighted.add(3.0, [1.0, 0.0], 8.0);
+        weighted.add(1.0, [0.0, 1.0], 5.0);
+        assert_eq!(weighted.slopes(), Some([7.0, 5.0]));
+    }
+
+    #[test]
+    fn positions_on_a_line_leave_the_slopes_open() {
+        let mut fit = PlaneFit::default();
+        assert_eq!(fit.slopes(), None);
+        for x in [0.1, 0.2, 0.7] {
+            fit.add(1.0, [x, 3.0 * x], x);
+        }
+        assert_eq!(fit.slopes(), None);
+    }
 
     /// Garwood's table: 0 events (0, 3.689), 1 (0.0253, 5.572), 10 (4.795, 18.39).
     #[test]

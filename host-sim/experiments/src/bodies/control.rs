@@ -6,6 +6,7 @@
 use arena::noise::Noise;
 use arena::world::Point;
 use sim::ring_pilot::{Perception, Policy, STEP_M, axis};
+use sim::statistics::PlaneFit;
 use std::f64::consts::TAU;
 
 /// Where a rule's expectation is from.
@@ -113,7 +114,7 @@ impl ControlPolicy {
     fn fit(&self, sector: usize, rounds: usize) -> [f64; 2] {
         let mut effect = [0.0; 2];
         for round in 0..rounds {
-            let (mut xx, mut xy, mut yy, mut xr, mut yr) = (0.0, 0.0, 0.0, 0.0, 0.0);
+            let mut fit = PlaneFit::default();
             for sample in &self.samples {
                 let Some(change) = sample.change(sector) else {
                     continue;
@@ -125,20 +126,12 @@ impl ControlPolicy {
                 } else {
                     1.0 / off.max(LEAST_DEVIATION_M)
                 };
-                xx += weight * x * x;
-                xy += weight * x * y;
-                yy += weight * y * y;
-                xr += weight * x * change;
-                yr += weight * y * change;
+                fit.add(weight, [x, y], change);
             }
-            let determinant = xx * yy - xy * xy;
-            if determinant <= 1e-12 {
+            let Some(slopes) = fit.slopes() else {
                 return [0.0; 2];
-            }
-            effect = [
-                (xr * yy - yr * xy) / determinant,
-                (yr * xx - xr * xy) / determinant,
-            ];
+            };
+            effect = slopes;
         }
         effect
     }

@@ -12,6 +12,7 @@ use amp::fixed::{Mask, Weight};
 use amp::memory::{Sample, from_bytes};
 use amp::som::Grid;
 use amp::units::Direction;
+use sim::statistics::PlaneFit;
 use std::f64::consts::TAU;
 
 /// What predicts the change of situation.
@@ -164,25 +165,11 @@ pub fn pool(config: &Config<16>, samples: &[Sample<16>], turned: bool) -> Vec<Mo
 pub fn fit<'a>(samples: impl Iterator<Item = &'a MoveSample> + Clone) -> Slopes {
     std::array::from_fn(|sensor| {
         let known = samples.clone().filter(|s| s.known.contains(sensor));
-        let sums = known.fold([0.0; 5], |[xx, xy, yy, xc, yc], sample| {
-            let ([x, y], change) = (sample.action, sample.change[sensor]);
-            [
-                xx + x * x,
-                xy + x * y,
-                yy + y * y,
-                xc + x * change,
-                yc + y * change,
-            ]
-        });
-        let [xx, xy, yy, xc, yc] = sums;
-        let determinant = xx * yy - xy * xy;
-        if determinant <= 1e-9 * xx * yy {
-            return [0.0; 2];
+        let mut fit = PlaneFit::default();
+        for sample in known {
+            fit.add(1.0, sample.action, sample.change[sensor]);
         }
-        [
-            (yy * xc - xy * yc) / determinant,
-            (xx * yc - xy * xc) / determinant,
-        ]
+        fit.slopes().unwrap_or_default()
     })
 }
 

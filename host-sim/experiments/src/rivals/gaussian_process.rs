@@ -17,6 +17,7 @@ use super::transition::{Transition, augmented};
 use crate::baselines::learning::Values;
 use arena::noise::Noise;
 use arena::world::Point;
+use sim::statistics::PlaneFit;
 
 /// Most points of the process; of more a random subset is taken.
 pub const MOST_POINTS: usize = 100;
@@ -149,20 +150,12 @@ impl CostModel for GaussianProcess {
 
 /// Least squares of one change by the moves.
 fn slopes(points: &[Transition], sensor: usize) -> [f64; 2] {
-    let (mut xx, mut xy, mut yy, mut xc, mut yc) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    let mut fit = PlaneFit::default();
     for point in points.iter().filter(|point| point.known[sensor]) {
-        let (Point { x, y }, change) = (point.moved, point.change[sensor]);
-        (xx, xy, yy) = (xx + x * x, xy + x * y, yy + y * y);
-        (xc, yc) = (xc + x * change, yc + y * change);
+        let Point { x, y } = point.moved;
+        fit.add(1.0, [x, y], point.change[sensor]);
     }
-    let determinant = xx * yy - xy * xy;
-    if determinant <= 1e-9 {
-        return [0.0; 2];
-    }
-    [
-        (yy * xc - xy * yc) / determinant,
-        (xx * yc - xy * xc) / determinant,
-    ]
+    fit.slopes().unwrap_or_default()
 }
 
 /// What the prior mean leaves of each change, by point; 0 where it is unknown.

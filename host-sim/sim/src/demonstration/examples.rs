@@ -1,6 +1,7 @@
 //! A demonstration in numbers: what each step was, and what each displacement would have led to.
 
 use super::{Demonstration, STANDING, ShownStep};
+use crate::statistics::PlaneFit;
 use amp::action_map::ActionMap;
 use amp::units::Displacement;
 use std::f64::consts::TAU;
@@ -50,21 +51,14 @@ impl Examples {
 /// Change of each value per whole step along x and along y: least squares over the neurons, as the
 /// planner has it.
 fn slopes(actions: &ActionMap<16, 16>) -> [[f64; 2]; 16] {
-    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
-    let mut sums = [[0.0; 2]; 16];
+    let mut fits = [PlaneFit::default(); 16];
     for neuron in 0..16 {
-        let [x, y] = (actions.actions().code_vector(neuron)).map(|part| part.to_num::<f64>());
-        (xx, xy, yy) = (xx + x * x, xy + x * y, yy + y * y);
-        for (sum, change) in sums.iter_mut().zip(actions.changes().code_vector(neuron)) {
-            let change = change.to_num::<f64>();
-            *sum = [sum[0] + x * change, sum[1] + y * change];
+        let action = (actions.actions().code_vector(neuron)).map(|part| part.to_num());
+        for (fit, change) in fits.iter_mut().zip(actions.changes().code_vector(neuron)) {
+            fit.add(1.0, action, change.to_num());
         }
     }
-    let determinant = xx * yy - xy * xy;
-    if determinant < 1e-9 {
-        return [[0.0; 2]; 16];
-    }
-    sums.map(|[x, y]| [yy * x - xy * y, xx * y - xy * x].map(|part| part / determinant))
+    fits.map(|fit| fit.slopes().unwrap_or_default())
 }
 
 /// Direction of a place of the ring, radians.
