@@ -368,8 +368,9 @@ mod tests {
     #[test]
     fn joints_move_by_a_step_at_most_and_stop_at_their_limits() {
         let body = ArmBody::coiton(View::Space);
-        let from = [0.0, 0.0, 0.1];
-        let to = body.moved(&from, &[1.0, 2.0, -1.0]);
+        // The shoulder's limit is 30° upwards, the elbow's 0°.
+        let from = [0.0, 0.2, 0.1];
+        let to = body.moved(&from, &[2.0, 1.0, -1.0]);
         let degrees = to.map(f64::to_degrees);
         assert!((degrees[0] - 30.0).abs() < 1e-9 && (degrees[1] - 30.0).abs() < 1e-9);
         assert_eq!(degrees[2], 0.0);
