@@ -12,8 +12,12 @@ const COLUMNS: usize = 3;
 const HEIGHT: f64 = 214.0;
 const AXES: f64 = 138.0;
 
-/// Height of the names below the panels, px.
+/// Height of the names below the panels, and of each further row of them, px.
 const NAMES: f64 = 30.0;
+const NAMES_ROW: f64 = 20.0;
+
+/// Names in a row, at most: more would run into each other.
+const NAMES_IN_ROW: usize = 4;
 
 /// Colors of the lines, in order.
 const COLORS: [&str; 6] = [BLUE, ORANGE, GREEN, PURPLE, VERMILLION, INK];
@@ -51,7 +55,10 @@ pub struct Curves {
 pub fn curves(title: &str, key: &CurveKey, panels: &[Curves]) -> String {
     let rows = panels.len().div_ceil(COLUMNS).max(1);
     let below = TOP + rows as f64 * HEIGHT;
-    let names = if key.names.is_empty() { 0.0 } else { NAMES };
+    let names = match key.names.len().div_ceil(NAMES_IN_ROW) {
+        0 => 0.0,
+        rows => NAMES + (rows - 1) as f64 * NAMES_ROW,
+    };
     let mut svg = Svg::new(PAGE, below + names);
     heading(&mut svg, title, &key.subtitle);
     let side = (PAGE - 2.0 * MARGIN) / COLUMNS as f64;
@@ -60,12 +67,12 @@ pub fn curves(title: &str, key: &CurveKey, panels: &[Curves]) -> String {
         let top = TOP + (index / COLUMNS) as f64 * HEIGHT;
         panel(&mut svg, [left, top], side, key, curves);
     }
-    let width = (PAGE - 2.0 * MARGIN) / key.names.len().max(1) as f64;
+    let width = (PAGE - 2.0 * MARGIN) / key.names.len().clamp(1, NAMES_IN_ROW) as f64;
     for (index, (name, _)) in key.names.iter().enumerate() {
-        let left = MARGIN + index as f64 * width;
-        let line = [[left, below + 8.0], [left + 24.0, below + 8.0]];
-        svg.polyline(&line, &drawn(key, index));
-        svg.text([left + 30.0, below + 12.0], Font::new(12.0), name);
+        let left = MARGIN + (index % NAMES_IN_ROW) as f64 * width;
+        let y = below + 8.0 + (index / NAMES_IN_ROW) as f64 * NAMES_ROW;
+        svg.polyline(&[[left, y], [left + 24.0, y]], &drawn(key, index));
+        svg.text([left + 30.0, y + 4.0], Font::new(12.0), name);
     }
     svg.finish(title, &key.subtitle)
 }
@@ -128,7 +135,12 @@ impl CurveAxes {
         // A constant curve lies in the middle.
         let [least, most] = curves.within;
         let longest = curves.lines.iter().map(Vec::len).max().unwrap_or(0);
-        let rim = ((high - low) * 0.06).max(0.01);
+        let rim = if high > low {
+            (high - low) * 0.06
+        } else {
+            0.01 * high.abs()
+        };
+        let rim = rim.max(0.01);
         Self {
             area,
             low: (low - rim).max(least),
@@ -207,5 +219,31 @@ mod tests {
         );
         assert_well_formed(&picture);
         assert!(picture.contains("nest, six boxes"));
+    }
+
+    /// The page grows by 20 px, so no name lies beside a fifth one.
+    #[test]
+    fn more_than_four_names_take_two_rows() {
+        let of = |count: usize| {
+            let name = |index: usize| (format!("turned least squares {index}"), false);
+            let key = CurveKey {
+                subtitle: String::new(),
+                along: "moves".into(),
+                ticks: Vec::new(),
+                names: (0..count).map(name).collect(),
+            };
+            curves("Moves", &key, &[])
+        };
+        let [four, five] = [4, 5].map(of);
+        let height = |svg: &str| -> Option<f64> {
+            let (_, rest) = svg.split_once(" height=\"")?;
+            rest.split_once('"')?.0.parse().ok()
+        };
+        assert_eq!(
+            height(&five).map(|high| high - 20.0),
+            height(&four),
+            "{five}"
+        );
+        assert!(height(&four).is_some());
     }
 }
