@@ -121,6 +121,14 @@ fn claims(stdout: &str, files: &[(String, Vec<u8>)]) {
     for method in ["default", "touzet", "q-table", "q-som", "q-two-soms"] {
         assert!(beside.contains(method), "{beside}");
     }
+    for words in ["using two self-organizing maps", "a neighborhood property"] {
+        let [_, _, _, measured, ..] = row(words)[..] else {
+            panic!("six columns")
+        };
+        for preset in ["default: of 7 measures", "probe: of 7 measures"] {
+            assert!(measured.contains(preset), "{measured}");
+        }
+    }
     let at_once = row("another behavior instantaneously");
     let unchanged = at_once[3]
         .matches("nothing learned or moved in 100.0 %")

@@ -4,6 +4,7 @@ use super::any_ring::{Count, MOVES};
 use super::arms::{self, Arms};
 use super::chain::{Chain, Cloud};
 use super::claims::sequences::{CUES, FLIPPED};
+use super::controls::{self, ReducedReading};
 use super::decision::{self, DecisionFigure, decision};
 use super::far_goals::{self, FarGoals};
 use super::gaps::Gaps;
@@ -97,6 +98,8 @@ pub struct Measured {
     pub far_goals: FarGoals,
     /// Arms by the couple of maps.
     pub arms: Arms,
+    /// `default` and `probe` with something less in place of the maps.
+    pub reduced: [ReducedReading; 2],
     /// Avoidance of the presets and of Q-learners after [`LEARNING_MOVES`].
     pub compared: Vec<ComparisonRow>,
 }
@@ -165,6 +168,7 @@ pub fn measure(size: Size, progress: &impl ProgressListener) -> Result<Measured,
         sequences: sequences(size, progress)?,
         far_goals: far_goals::measure(size, &readings[0], progress)?,
         arms: arms::measure(size, progress),
+        reduced: controls::measure(size, [&readings[0], &readings[1]], progress)?,
         compared: compared(size, progress)?,
     })
 }

@@ -8,6 +8,7 @@ pub mod any_ring;
 pub mod arms;
 pub mod chain;
 pub mod claims;
+pub mod controls;
 pub mod decision;
 pub mod far_goals;
 pub mod gaps;

@@ -1,7 +1,7 @@
 //! Claims of sections 2.1 to 2.4: perceived goals, lazy memory, self-organizing maps (Figs. 1 and
 //! 2).
 
-use super::{Claim, ClaimVerdict, PRESETS, by_preset, percent, percents};
+use super::{Claim, ClaimVerdict, PRESETS, by_preset, controls, percent, percents};
 use crate::paper::chain::{Chain, NEURONS, PROBES};
 use crate::paper::measure::Measured;
 use crate::paper::rooms::RoomResult;
@@ -16,7 +16,7 @@ pub(super) fn claims(measured: &Measured) -> Vec<Claim> {
             "A guarantee cannot be measured; for how rarely the memory knows the situation see above.",
         ),
     );
-    claims.push(by_content(measured));
+    claims.extend([by_content(measured), controls::neighborhood(measured)]);
     claims.push(
         Claim::new(
             "2.3",
@@ -26,6 +26,7 @@ pub(super) fn claims(measured: &Measured) -> Vec<Claim> {
     );
     claims.extend(chains(measured));
     claims.extend([same_number(measured), larger_fields(measured)]);
+    claims.push(controls::two_maps(measured));
     claims.extend([continuous(measured), paths(measured), alike(measured)]);
     claims.push(
         Claim::new("Fig. 2", "1.0: shorter than 2 cm; 0.0: at least 5 cm away")

@@ -5,6 +5,7 @@
 
 mod behaviors;
 mod chaining;
+mod controls;
 mod maps;
 mod other_systems;
 mod planning;

@@ -1,7 +1,7 @@
 //! Claims of sections 4 and 5.3: the arms of other authors, and pointing.
 
 use super::{Claim, ClaimVerdict, percents};
-use crate::paper::arms::TARGETS;
+use crate::paper::arms::{TARGETS, region_seeds};
 use crate::paper::measure::Measured;
 use sim::statistics::Mean;
 
@@ -28,7 +28,7 @@ fn reaching(measured: &Measured) -> Claim {
             percents(reached.mean),
             reaching.moves.mean
         ),
-        sample(measured),
+        sample(measured.size.draws),
     )
     .verdict(ClaimVerdict::of(&[reached.mean >= 95.0]))
 }
@@ -38,6 +38,7 @@ fn second_behavior(measured: &Measured) -> Claim {
     let arms = &measured.arms;
     let [without, with] = [&arms.untold, &arms.around];
     let inside = |share: Mean| percents(share.percent().mean);
+    let ratio = 100.0 * with.hand_inside.mean / without.hand_inside.mean.max(f64::MIN_POSITIVE);
     let is_avoided = with.hand_inside.mean <= 0.1 * without.hand_inside.mean;
     let is_reached = with.reached.mean >= 0.95 * without.reached.mean;
     Claim::new(
@@ -50,8 +51,8 @@ fn second_behavior(measured: &Measured) -> Claim {
     )
     .measured(
         format!(
-            "the hand enters in {} of the reaches without this goal and in {} with it, the arm in \
-             {} and {}; targets reached {} and {}",
+            "the hand enters in {} of the reaches without this goal and in {} with it ({ratio:.1} % \
+             as many), the arm in {} and {}; targets reached {} and {}",
             inside(without.hand_inside),
             inside(with.hand_inside),
             inside(without.link_inside),
@@ -59,7 +60,7 @@ fn second_behavior(measured: &Measured) -> Claim {
             inside(without.reached),
             inside(with.reached)
         ),
-        sample(measured),
+        sample(region_seeds(measured.size)),
     )
     .verdict(ClaimVerdict::of(&[is_avoided, is_reached]))
 }
@@ -83,11 +84,11 @@ pub(super) fn pointing(measured: &Measured) -> Claim {
             pointing.median_error_deg,
             pointing.moves.mean
         ),
-        sample(measured),
+        sample(measured.size.draws),
     )
     .verdict(ClaimVerdict::of(&[pointed >= 95.0]))
 }
 
-fn sample(measured: &Measured) -> String {
-    format!("{} seeds × {TARGETS} targets", measured.size.draws)
+fn sample(seeds: u32) -> String {
+    format!("{seeds} seeds × {TARGETS} targets")
 }
