@@ -100,6 +100,8 @@ fn panel(svg: &mut Svg, [left, top]: [f64; 2], side: f64, key: &CurveKey, curves
     let area = [left + 42.0, top + 38.0, side - 62.0, AXES];
     let axes = CurveAxes::holding(area, curves);
     axes.draw(svg, key);
+    // Many bands over each other hide the lines.
+    let opacity = if curves.lines.len() > 3 { 0.1 } else { 0.22 };
     for (line, means) in curves.lines.iter().enumerate() {
         let place = |end: usize| {
             move |(i, mean): (usize, &Mean)| (i, mean.interval.get(end).copied().unwrap_or(0.0))
@@ -107,10 +109,10 @@ fn panel(svg: &mut Svg, [left, top]: [f64; 2], side: f64, key: &CurveKey, curves
         let upper = means.iter().enumerate().map(place(1));
         let lower = means.iter().enumerate().rev().map(place(0));
         let band: Vec<_> = upper.chain(lower).map(|(i, v)| axes.at(i, v)).collect();
-        svg.polygon(
-            &band,
-            &format!(r#"{} fill-opacity="0.22""#, fill(color(line))),
-        );
+        let paint = fill(color(line));
+        svg.polygon(&band, &format!(r#"{paint} fill-opacity="{opacity}""#));
+    }
+    for (line, means) in curves.lines.iter().enumerate() {
         let middle = means.iter().enumerate();
         let points: Vec<_> = middle.map(|(i, mean)| axes.at(i, mean.mean)).collect();
         svg.polyline(&points, &drawn(key, line));

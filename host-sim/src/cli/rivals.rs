@@ -257,8 +257,12 @@ fn times(measured: &[Measured]) -> String {
 
 /// What the table was measured in.
 fn about(args: &RivalsArgs) -> String {
+    format!("{}, {} steps of each behavior", conditions(args), args.steps)
+}
+
+fn conditions(args: &RivalsArgs) -> String {
     format!(
-        "{} worlds of {} from {} on, {} sonars, {} shield, {} steps of each behavior",
+        "{} worlds of {} from {} on, {} sonars, {} shield",
         args.worlds,
         args.generator.name(),
         args.first,
@@ -268,7 +272,6 @@ fn about(args: &RivalsArgs) -> String {
             SonarModel::Harsh => "harsh",
         },
         if args.shield { "with the" } else { "without" },
-        args.steps,
     )
 }
 
@@ -314,7 +317,7 @@ fn pictures(
 type Drawn = (&'static str, f64, fn(&RivalOutcome) -> Mean);
 
 const DRAWN: [Drawn; 3] = [
-    ("clean worlds, %", 100.0, |outcome| outcome.clean.percent()),
+    ("area, m²", f64::INFINITY, |outcome| outcome.coverage_m2),
     ("wall error, m", f64::INFINITY, |outcome| {
         outcome.wall_error_m
     }),
@@ -327,7 +330,7 @@ fn picture(title: &str, args: &RivalsArgs, measured: &[Measured], drawn: &[Rival
         (rival.name().to_owned(), dashed)
     };
     let key = CurveKey {
-        subtitle: format!("{}; line: mean, band: 95 % interval", about(args)),
+        subtitle: format!("{}; line: mean, band: 95 % interval", conditions(args)),
         along: "random moves".to_owned(),
         ticks: args.moves.iter().map(u16::to_string).enumerate().collect(),
         names: drawn.iter().map(name).collect(),
