@@ -164,14 +164,23 @@ pub fn scale(encoding: Encoding) -> String {
     format!("on a scale of {near_m} to {far_m} m")
 }
 
-/// Text of a goal file for any goal, without a place; its name becomes a comment.
+/// Writes the text of a goal file, completely or not at all.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write(path: &Path, text: &str) -> Result<(), BadInput> {
+    let written = files::write(path, text.as_bytes());
+    written.map_err(|error| files::unwritable(path, &error))
+}
+
+/// Text of a goal file for any goal, without a place; its name and its [`scale`] become a comment.
 #[must_use]
-pub fn whole_text(goal: &Goal<16>, name: &str, encoding: Encoding) -> String {
+pub fn whole_text(goal: &Goal<16>, name: &str, scale: &str) -> String {
     let (frame, first) = match goal.frame {
         GoalFrame::Ring => ("ring", "is the first sonar"),
         GoalFrame::Travel => ("travel", "looks where the robot goes"),
     };
-    let (name, scale) = (name.replace(char::is_control, " "), scale(encoding));
+    let name = name.replace(char::is_control, " ");
     let share = |q16: u16| f64::from(q16) / 65_536.0;
     let value = |weight: Weight| weight.to_num::<f64>();
     let mut text = format!(
@@ -401,7 +410,7 @@ mod tests {
             Goal::perceived(&[Weight::from_bits(17); 16]),
             odd,
         ] {
-            let file = read(&whole_text(&goal, "a \r\ngoal", config.encoding)).unwrap();
+            let file = read(&whole_text(&goal, "a \r\ngoal", &scale(config.encoding))).unwrap();
             assert_eq!((file.goal, file.place_mm), (goal, None));
         }
     }

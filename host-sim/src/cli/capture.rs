@@ -12,7 +12,7 @@ use sim::episode::perceive;
 use sim::goal_file;
 use sim::settings;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::str::FromStr;
 
 /// Flags of the `capture` command.
@@ -102,7 +102,7 @@ pub fn capture(args: &CaptureArgs, out: &mut impl Write) -> Result<(), CliError>
         goal_file::scale(config.encoding),
     );
     let text = goal_file::text(&situation, known, pose.position, &remark);
-    write(&args.out, &text)?;
+    goal_file::write(&args.out, &text)?;
     let Point { x, y } = pose.position;
     let file = args.out.display();
     Ok(writeln!(
@@ -141,11 +141,6 @@ fn pose(world: &World, radius_m: f64, at: Option<CapturePose>) -> Result<Pose, B
         )));
     }
     Ok(Pose::new(place, bearing.unwrap_or(start.heading)))
-}
-
-fn write(path: &Path, text: &str) -> Result<(), BadInput> {
-    let written = files::write(path, text.as_bytes());
-    written.map_err(|error| BadInput::file(path, format!("cannot be written: {error}")))
 }
 
 #[cfg(test)]

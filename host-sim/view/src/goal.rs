@@ -266,7 +266,7 @@ impl ActiveGoal {
     /// Why there is none.
     pub fn save(&self, config: &Config<16>) -> Result<CommandOutcome, CommandRefused> {
         let encoding = config.encoding;
-        let whole = |goal| goal_file::whole_text(&goal, &self.name(), encoding);
+        let whole = |goal| goal_file::whole_text(&goal, &self.name(), &goal_file::scale(encoding));
         let text = match &self.kind {
             GoalKind::Situation(situation, _, _, Some(place)) => {
                 let scale = goal_file::scale(encoding);

@@ -2,10 +2,9 @@
 
 use crate::cli::CliError;
 use crate::cli::output::bar;
-use amp::config::Config;
 use amp::fixed::Mask;
 use amp::goal::{Component, Goal};
-use amp::scan::Situation;
+use amp::scan::{Encoding, Situation};
 use clap::Args;
 use files::error::BadInput;
 use remote::log::{self, LoggedDemonstration};
@@ -43,7 +42,7 @@ pub struct GoalLearnArgs {
 /// closed pipe.
 pub fn learn(args: &GoalLearnArgs, out: &mut impl Write) -> Result<(), CliError> {
     let is_log = |path: &PathBuf| path.extension().is_some_and(|end| end == "mcap");
-    let (goal, from, config) = match args.from.iter().filter(|path| is_log(path)).count() {
+    let (goal, from, scale) = match args.from.iter().filter(|path| is_log(path)).count() {
         0 => of_situations(&args.from)?,
         logs if logs == args.from.len() => of_logs(&args.from)?,
         _ => {
@@ -52,9 +51,8 @@ pub fn learn(args: &GoalLearnArgs, out: &mut impl Write) -> Result<(), CliError>
         }
     };
     let name = format!("learned from {from}");
-    let text = goal_file::whole_text(&goal, &name, config.encoding);
-    let written = files::write(&args.out, text.as_bytes());
-    written.map_err(|error| files::unwritable(&args.out, &error))?;
+    let text = goal_file::whole_text(&goal, &name, &scale);
+    goal_file::write(&args.out, &text)?;
     let file = args.out.display();
     Ok(writeln!(
         out,
@@ -62,7 +60,8 @@ pub fn learn(args: &GoalLearnArgs, out: &mut impl Write) -> Result<(), CliError>
     )?)
 }
 
-type Learned = (Goal<16>, String, Config<16>);
+/// The goal, what it was learned from, and the scale of its values.
+type Learned = (Goal<16>, String, String);
 
 fn of_logs(paths: &[PathBuf]) -> Result<Learned, BadInput> {
     let mut demonstrations = Vec::new();
@@ -79,7 +78,7 @@ fn of_logs(paths: &[PathBuf]) -> Result<Learned, BadInput> {
         }
         demonstrations.push((path, LoggedDemonstration::of(&log)?));
     }
-    let config = same_config(&demonstrations)?;
+    let scale = goal_file::scale(same_encoding(&demonstrations)?);
     let steps: usize = demonstrations
         .iter()
         .map(|(_, one)| one.shown().len())
@@ -99,25 +98,25 @@ fn of_logs(paths: &[PathBuf]) -> Result<Learned, BadInput> {
     });
     progress.finish_and_clear();
     let goal = goal.map_err(|why| refusal(paths, why))?;
-    Ok((goal, format!("{steps} demonstrated steps"), config))
+    Ok((goal, format!("{steps} demonstrated steps"), scale))
 }
 
-/// The configuration that all demonstrations share as far as a goal depends on it.
-fn same_config(demonstrations: &[(&PathBuf, LoggedDemonstration)]) -> Result<Config<16>, BadInput> {
-    let mut configs = demonstrations
+/// The encoding of the situations, which all demonstrations must share.
+fn same_encoding(demonstrations: &[(&PathBuf, LoggedDemonstration)]) -> Result<Encoding, BadInput> {
+    let mut encodings = demonstrations
         .iter()
-        .map(|(path, one)| (path, one.controller().config()));
-    let Some((_, first)) = configs.next() else {
+        .map(|(path, one)| (path, one.controller().config().encoding));
+    let Some((_, first)) = encodings.next() else {
         return Err(BadInput::new("--from: no log"));
     };
-    for (path, config) in configs {
-        if config.encoding != first.encoding {
-            let [other, own] = [first, config].map(|config| goal_file::scale(config.encoding));
+    for (path, encoding) in encodings {
+        if encoding != first {
+            let [other, own] = [first, encoding].map(goal_file::scale);
             let what = format!("its situations are {own}, those of the first log {other}");
             return Err(BadInput::file(path, what));
         }
     }
-    Ok(first.clone())
+    Ok(first)
 }
 
 fn of_situations(paths: &[PathBuf]) -> Result<Learned, BadInput> {
@@ -130,7 +129,8 @@ fn of_situations(paths: &[PathBuf]) -> Result<Learned, BadInput> {
         1 => "a situation".to_owned(),
         count => format!("{count} situations"),
     };
-    Ok((goal, from, Config::recommended()))
+    // The files say on which scale, in words only.
+    Ok((goal, from, "on their scale".to_owned()))
 }
 
 /// The situation that a goal file asks for.

@@ -91,6 +91,6 @@ pub fn goal(args: &GoalArgs, out: &mut impl Write) -> Result<(), CliError> {
         ))
         .into());
     };
-    let text = goal_file::whole_text(&goal, &name, config.encoding);
+    let text = goal_file::whole_text(&goal, &name, &goal_file::scale(config.encoding));
     Ok(out.write_all(text.as_bytes())?)
 }
