@@ -9,7 +9,7 @@ use amp::controller::Outputs;
 use amp::fixed::Mask;
 use amp::units::{Bearing, Displacement};
 use files::error::BadInput;
-use sim::demonstration::{Demonstration, ShownStep};
+use sim::demonstration::{Demonstration, DemonstrationRecorder, ShownStep};
 use sim::sim_controller::SimController;
 
 /// The steps of a log, and the controller at its end.
@@ -44,7 +44,7 @@ impl LoggedDemonstration {
                 _ => {}
             }
         }
-        let shown = steps.shown;
+        let shown = steps.recorder.into_shown();
         Ok(Self { shown, replayer })
     }
 
@@ -71,16 +71,13 @@ impl LoggedDemonstration {
     }
 }
 
-/// Collects the steps.
+/// Adds up the odometry between two decisions.
 #[derive(Default)]
 struct Steps {
-    shown: Vec<ShownStep>,
-    /// The last decision, whose displacement is under way; `None` where it had no goal.
-    open: Option<ShownStep>,
-    /// Displacement since that decision, in the ring's frame at it, and turn of the ring.
+    recorder: DemonstrationRecorder,
+    /// Displacement since the last decision, in the ring's frame at it, and turn of the ring.
     moved: Displacement,
     turned: Bearing,
-    course: Displacement,
 }
 
 impl Steps {
@@ -101,24 +98,11 @@ impl Steps {
     }
 
     fn decision(&mut self, outputs: &Outputs<16>, known: Mask) {
-        let Some(decision) = &outputs.decision else {
-            return;
-        };
-        let moved = std::mem::replace(&mut self.moved, Displacement::ZERO);
-        let turned = std::mem::replace(&mut self.turned, Bearing::ZERO);
-        if let Some(step) = self.open.take() {
-            self.shown.push(ShownStep { moved, ..step });
+        if let Some(decision) = &outputs.decision {
+            let moved = std::mem::replace(&mut self.moved, Displacement::ZERO);
+            let turned = std::mem::replace(&mut self.turned, Bearing::ZERO);
+            let perceived = decision.plan.map(|_| (decision.situation, known));
+            self.recorder.decided(moved, turned, perceived);
         }
-        if moved != Displacement::ZERO {
-            self.course = moved;
-        }
-        // In the frame that the ring has now.
-        self.course = self.course.rotated(turned.direction().mirrored());
-        self.open = decision.plan.map(|_| ShownStep {
-            situation: decision.situation,
-            known,
-            course: self.course,
-            moved: Displacement::ZERO,
-        });
     }
 }

@@ -20,6 +20,8 @@ pub struct Example {
     pub after: Vec<[f64; 16]>,
     /// Place of the ring along which the robot went; where it stood, its course.
     pub went: usize,
+    /// Length of the displacement, as a share of the step.
+    pub length: f64,
     /// Direction of the course, radians.
     pub course: Option<f64>,
     /// The demonstrated displacement as shares of the two nearest ones.
@@ -37,6 +39,11 @@ impl Examples {
             one.shown.iter().map(example)
         });
         Self(examples.collect())
+    }
+
+    /// Each of this number.
+    pub fn every(&self, number: usize) -> Self {
+        Self(self.0.iter().step_by(number).cloned().collect())
     }
 
     pub fn len(&self) -> usize {
@@ -107,9 +114,15 @@ impl Example {
             values,
             after: (0..MOVES).map(expected).collect(),
             went: libm::rint(turns(way) * 16.0) as usize % 16,
+            length,
             course: (step.course != Displacement::ZERO).then(|| turns(step.course) * TAU),
             shown: nearest_displacements(length, turns(way)),
         }
+    }
+
+    /// The robot made a whole step.
+    pub fn is_whole(&self) -> bool {
+        self.shown.iter().all(|(index, _)| *index < WHOLE_STEPS)
     }
 
     /// Probability of the demonstrated displacement among those of these probabilities.

@@ -7,7 +7,7 @@
 
 use super::examples::{Example, Examples, MOVES, WHOLE_STEPS, direction, displacement};
 use super::family::Family;
-use super::parameters::{COUNT, Gradient, Parameters};
+use super::parameters::{COUNT, Gradient, Parameters, RingBounds, RingGradient};
 use amp::goal::{Goal, GoalFrame};
 
 /// Strength of the prior: a weight e times as great as at the start counts as much as this loss.
@@ -35,6 +35,16 @@ struct View {
     moves: Vec<f64>,
     /// Probability of the demonstrated displacement.
     shown: f64,
+}
+
+/// What one pass over the examples works with.
+struct Work<'a> {
+    /// What is asked of the ring towards each place.
+    bounds: Vec<RingBounds>,
+    /// Derivatives by that.
+    ring: Vec<RingGradient>,
+    /// Derivatives by the preferences.
+    gradient: &'a mut Gradient,
 }
 
 /// A goal under way to the most probable one: gradient descent by D. Kingma and J. Ba, *Adam*, ICLR
@@ -85,35 +95,51 @@ impl Fit {
         self.parameters.descend(&step);
     }
 
+    /// The mean loss.
+    pub fn loss_at(&self, examples: &Examples) -> f64 {
+        self.loss_of(examples, &mut [0.0; COUNT])
+    }
+
     /// The mean loss; adds the derivatives of the sum.
     pub fn loss_of(&self, examples: &Examples, gradient: &mut Gradient) -> f64 {
-        let losses = examples.iter().map(|example| self.learn(example, gradient));
-        losses.sum::<f64>() / examples.len().max(1) as f64
+        let mut work = Work {
+            bounds: self.parameters.towards_all(self.family),
+            ring: vec![RingGradient::default(); self.family.directions()],
+            gradient,
+        };
+        let losses = examples
+            .iter()
+            .map(|example| self.learn(example, &mut work));
+        let loss = losses.sum::<f64>() / examples.len().max(1) as f64;
+        for (place, ring) in work.ring.iter().enumerate() {
+            ring.add_to(work.gradient, place);
+        }
+        loss
     }
 
     /// Negative logarithm of the probability of an example; adds its derivatives.
-    fn learn(&self, example: &Example, gradient: &mut Gradient) -> f64 {
-        let views = self.views(example);
+    fn learn(&self, example: &Example, work: &mut Work<'_>) -> f64 {
+        let views = self.views(example, &work.bounds);
         let joint: f64 = views.iter().map(|view| view.probability * view.shown).sum();
         let probability = joint * (1.0 - CHANCE) + CHANCE / MOVES as f64;
         // Share of the probability that comes from the goal.
         let by_goal = joint * (1.0 - CHANCE) / probability;
         for view in &views {
             let responsible = view.probability * view.shown * (1.0 - CHANCE) / probability;
-            self.add_view(example, view, responsible, by_goal, gradient);
+            self.add_view(example, view, responsible, by_goal, work);
         }
         -libm::log(probability)
     }
 
     /// The directions in which an example is seen, without the least probable ones.
-    fn views(&self, example: &Example) -> Vec<View> {
+    fn views(&self, example: &Example, bounds: &[RingBounds]) -> Vec<View> {
         let costs: Vec<_> = (0..self.family.directions())
-            .map(|place| self.cost_of_place(example, place))
+            .map(|place| self.cost_of_place(example, place, &bounds[place]))
             .collect();
         let mut views = Vec::new();
         for (place, probability) in softmin(&costs).into_iter().enumerate() {
             if probability >= LEAST_PROBABLE {
-                let moves = softmin(&self.costs_of_moves(example, place));
+                let moves = softmin(&self.costs_of_moves(example, place, &bounds[place]));
                 let shown = example.share_of_shown(&moves);
                 views.push(View {
                     place,
@@ -126,8 +152,8 @@ impl Fit {
         views
     }
 
-    fn cost_of_place(&self, example: &Example, place: usize) -> f64 {
-        let cost = self.parameters.cost(&example.values, place);
+    fn cost_of_place(&self, example: &Example, place: usize, bounds: &RingBounds) -> f64 {
+        let cost = bounds.cost(&example.values);
         cost - self.parameters.heading_hold * self.holding(example, place)
     }
 
@@ -139,8 +165,11 @@ impl Fit {
         }
     }
 
-    fn costs_of_moves(&self, example: &Example, place: usize) -> Vec<f64> {
-        let count = if self.family.stands {
+    /// Costs of the displacements that could have been made. The planner takes the direction of
+    /// the best whole step, and a shorter one only where that is better: the length of a whole
+    /// step tells nothing.
+    fn costs_of_moves(&self, example: &Example, place: usize, bounds: &RingBounds) -> Vec<f64> {
+        let count = if self.family.stands && !example.is_whole() {
             MOVES
         } else {
             WHOLE_STEPS
@@ -148,7 +177,7 @@ impl Fit {
         let after = example.after.iter().take(count).enumerate();
         let cost = |(index, after): (usize, &[f64; 16])| {
             let progress = self.progress(example, place, index);
-            self.parameters.cost(after, place) - self.parameters.progress * progress
+            bounds.cost(after) - self.parameters.progress * progress
         };
         after.map(cost).collect()
     }
@@ -173,22 +202,23 @@ impl Fit {
         view: &View,
         responsible: f64,
         by_goal: f64,
-        gradient: &mut Gradient,
+        work: &mut Work<'_>,
     ) {
         let parameters = &self.parameters;
         let place = view.place;
         let factor = responsible - view.probability * by_goal;
-        parameters.add_cost(gradient, &example.values, place, factor);
-        parameters.add_heading_hold(gradient, factor * self.holding(example, place));
+        let (bounds, ring) = (&work.bounds[place], &mut work.ring[place]);
+        bounds.add_cost(ring, &example.values, factor);
+        parameters.add_heading_hold(work.gradient, factor * self.holding(example, place));
         for (index, probability) in view.moves.iter().enumerate() {
             let is_shown = example.shown.iter().filter(|(shown, _)| *shown == index);
             let share: f64 = is_shown.map(|(_, share)| share).sum();
             let wanted = responsible * share * probability / view.shown.max(1e-300);
             let factor = wanted - responsible * probability;
             if factor.abs() > 1e-9 {
-                parameters.add_cost(gradient, &example.after[index], place, factor);
+                bounds.add_cost(ring, &example.after[index], factor);
                 let progress = self.progress(example, place, index);
-                parameters.add_progress(gradient, factor * progress);
+                parameters.add_progress(work.gradient, factor * progress);
             }
         }
     }
@@ -196,9 +226,9 @@ impl Fit {
     /// The goal. It holds up to the deviation that half of the demonstrated situations have.
     pub fn goal(&self, examples: &Examples) -> Goal<16> {
         let weights: f64 = self.parameters.weights.iter().sum();
+        let bounds = self.parameters.towards_all(self.family);
         let deviation = |example: &Example| {
-            let places = 0..self.family.directions();
-            let costs = places.map(|place| self.parameters.cost(&example.values, place));
+            let costs = bounds.iter().map(|bounds| bounds.cost(&example.values));
             costs.fold(f64::INFINITY, f64::min) / weights
         };
         let mut deviations: Vec<_> = examples.iter().map(deviation).collect();

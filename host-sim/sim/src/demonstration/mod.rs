@@ -14,7 +14,10 @@ mod examples;
 mod family;
 mod likelihood;
 mod parameters;
+mod record;
 mod start;
+
+pub use record::DemonstrationRecorder;
 
 use amp::action_map::ActionMap;
 use amp::fixed::Mask;
@@ -22,14 +25,20 @@ use amp::goal::{Component, Goal};
 use amp::scan::Situation;
 use amp::units::Displacement;
 use examples::Examples;
-use family::FAMILIES;
+use family::{FAMILIES, Family};
 use likelihood::Fit;
 
 /// Fewest moves of a demonstration.
 pub const MIN_MOVES: usize = 10;
 /// Iterations from each start.
 const FIRST_ITERATIONS: u32 = 60;
-/// Starts that are continued: those that are best after these.
+/// They see each example of this number only.
+const FIRST_EXAMPLES: usize = 3;
+/// Starts of each family that are continued: those that are best after these.
+const FINALISTS_OF_FAMILY: usize = 2;
+/// Iterations that show which of them are best.
+const SECOND_ITERATIONS: u32 = 60;
+/// Those that are continued to the end.
 const FINALISTS: usize = 4;
 /// Iterations in all.
 const ITERATIONS: u32 = 250;
@@ -95,6 +104,59 @@ pub fn goal_of_demonstrations(
     demonstrations: &[Demonstration<'_>],
     mut progress: impl FnMut(u32, u32),
 ) -> Result<Goal<16>, DemonstrationError> {
+    let examples = examples_of(demonstrations)?;
+    let some = examples.every(FIRST_EXAMPLES);
+    let mut families: Vec<Vec<Fit>> = FAMILIES
+        .into_iter()
+        .map(|family| fits_of(&examples, family))
+        .collect();
+    let count: usize = families.iter().map(Vec::len).sum();
+    let second = (FINALISTS_OF_FAMILY * FAMILIES.len()) as u32;
+    let all = count as u32 * FIRST_ITERATIONS
+        + second * SECOND_ITERATIONS
+        + FINALISTS as u32 * (ITERATIONS - FIRST_ITERATIONS - SECOND_ITERATIONS);
+    let mut done = 0;
+    let mut improve = |fits: &mut [Fit], examples: &Examples, iterations: u32| {
+        for fit in fits {
+            for _ in 0..iterations {
+                fit.improve(examples, ITERATIONS);
+                done += 1;
+                progress(done, all);
+            }
+        }
+    };
+    for fits in &mut families {
+        improve(fits, &some, FIRST_ITERATIONS);
+        keep_best(fits, &examples, FINALISTS_OF_FAMILY);
+    }
+    let mut fits: Vec<Fit> = families.into_iter().flatten().collect();
+    improve(&mut fits, &examples, SECOND_ITERATIONS);
+    keep_best(&mut fits, &examples, FINALISTS);
+    let left = ITERATIONS - FIRST_ITERATIONS - SECOND_ITERATIONS;
+    improve(&mut fits, &examples, left);
+    keep_best(&mut fits, &examples, 1);
+    let goal = fits.first().map(|best| best.goal(&examples));
+    goal.ok_or(DemonstrationError::NothingPerceived)
+}
+
+fn fits_of(examples: &Examples, family: Family) -> Vec<Fit> {
+    let starts = start::starts(examples, family).into_iter();
+    starts
+        .map(|parameters| Fit::new(family, parameters))
+        .collect()
+}
+
+/// Keeps those under which the moves are most probable; equals stay in their order.
+fn keep_best(fits: &mut Vec<Fit>, examples: &Examples, count: usize) {
+    for fit in &mut *fits {
+        fit.loss = fit.loss_at(examples);
+    }
+    fits.sort_by(|a, b| a.loss.total_cmp(&b.loss));
+    fits.truncate(count);
+}
+
+/// The steps in numbers.
+fn examples_of(demonstrations: &[Demonstration<'_>]) -> Result<Examples, DemonstrationError> {
     let shown = || demonstrations.iter().flat_map(|one| one.shown);
     if shown().all(|step| step.known == Mask::NONE) {
         return Err(DemonstrationError::NothingPerceived);
@@ -104,34 +166,24 @@ pub fn goal_of_demonstrations(
     if moves < MIN_MOVES {
         return Err(DemonstrationError::TooFewMoves { moves });
     }
-    let examples = Examples::new(demonstrations);
-    let mut fits: Vec<Fit> = FAMILIES
+    Ok(Examples::new(demonstrations))
+}
+
+/// The control of [`goal_of_demonstrations`]: the start of its search under which the moves are most
+/// probable, as it is. It is what the demonstrated situations have in common.
+///
+/// # Errors
+/// As [`goal_of_demonstrations`].
+pub fn goal_of_spread(
+    demonstrations: &[Demonstration<'_>],
+) -> Result<Goal<16>, DemonstrationError> {
+    let examples = examples_of(demonstrations)?;
+    let fits = FAMILIES
         .into_iter()
-        .flat_map(|family| start::starts(&examples, family))
-        .map(|(family, parameters)| Fit::new(family, parameters))
-        .collect();
-    let first = fits.len() as u32 * FIRST_ITERATIONS;
-    let kept = fits.len().min(FINALISTS);
-    let all = first + kept as u32 * (ITERATIONS - FIRST_ITERATIONS);
-    let mut done = 0;
-    let mut improve = |fit: &mut Fit, iterations: u32| {
-        for _ in 0..iterations {
-            fit.improve(&examples, ITERATIONS);
-            done += 1;
-            progress(done, all);
-        }
-    };
-    for fit in &mut fits {
-        improve(fit, FIRST_ITERATIONS);
-    }
-    // Equals stay in their order.
-    fits.sort_by(|a, b| a.loss.total_cmp(&b.loss));
-    fits.truncate(kept);
-    for fit in &mut fits {
-        improve(fit, ITERATIONS - FIRST_ITERATIONS);
-    }
-    let best = fits.iter().min_by(|a, b| a.loss.total_cmp(&b.loss));
-    let goal = best.map(|best| best.goal(&examples));
+        .flat_map(|family| fits_of(&examples, family));
+    let mut fits: Vec<Fit> = fits.collect();
+    keep_best(&mut fits, &examples, 1);
+    let goal = fits.first().map(|best| best.goal(&examples));
     goal.ok_or(DemonstrationError::NothingPerceived)
 }
 

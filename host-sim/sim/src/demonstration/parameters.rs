@@ -36,38 +36,21 @@ pub struct Parameters {
 pub type Gradient = [f64; COUNT];
 
 impl Parameters {
-    /// How far a value lies above (positive) or below the interval of a component; 0 for an unknown
-    /// value (NaN).
-    fn gap(&self, component: usize, value: f64) -> f64 {
-        let (low, high) = (self.low[component], self.high[component]);
-        if value < low {
-            value - low
-        } else if value > high {
-            value - high
-        } else {
-            0.0
+    /// What is asked of the ring by a robot that goes towards place `place` of it.
+    pub fn towards(&self, place: usize) -> RingBounds {
+        let turned =
+            |values: &[f64; 16]| std::array::from_fn(|sensor| values[(sensor + 16 - place) % 16]);
+        RingBounds {
+            weights: turned(&self.weights),
+            low: turned(&self.low),
+            high: turned(&self.high),
         }
     }
 
-    /// Cost of the values of a ring whose place `place` is the goal's first component.
-    pub fn cost(&self, values: &[f64; 16], place: usize) -> f64 {
-        let mut sum = 0.0;
-        for (component, value) in turned(values, place).into_iter().enumerate() {
-            let gap = self.gap(component, value);
-            sum += self.weights[component] * gap * gap;
-        }
-        sum
-    }
-
-    /// Adds `factor` times the derivatives of that cost.
-    pub fn add_cost(&self, gradient: &mut Gradient, values: &[f64; 16], place: usize, factor: f64) {
-        for (component, value) in turned(values, place).into_iter().enumerate() {
-            let gap = self.gap(component, value);
-            let slope = factor * self.weights[component] * gap;
-            gradient[component] += slope * gap;
-            let bound = if gap < 0.0 { LOW } else { HIGH };
-            gradient[bound + component] -= 2.0 * slope;
-        }
+    /// The same towards each place that a goal of this kind may look along.
+    pub fn towards_all(&self, family: Family) -> Vec<RingBounds> {
+        let places = 0..family.directions();
+        places.map(|place| self.towards(place)).collect()
     }
 
     /// Derivatives of `strength` times the squared distance of the logarithms of the weights from
@@ -139,9 +122,64 @@ impl Parameters {
 /// Rate of the bounds relative to that of the logarithms of weights.
 const BOUND_RATE: f64 = 0.15;
 
-/// The values of a ring in the order of a goal whose first component is at `place`.
-fn turned(values: &[f64; 16], place: usize) -> [f64; 16] {
-    std::array::from_fn(|component| values[(component + place) % 16])
+/// Weights and bounds of the components in the order of the ring's places.
+#[derive(Debug, Clone)]
+pub struct RingBounds {
+    weights: [f64; 16],
+    low: [f64; 16],
+    high: [f64; 16],
+}
+
+impl RingBounds {
+    /// How far a value lies below (negative) and above an interval; zeros for an unknown one (NaN).
+    fn gaps(&self, sensor: usize, value: f64) -> (f64, f64) {
+        // `min` and `max` drop an operand that is not a number.
+        let below = (value - self.low[sensor]).min(0.0);
+        let above = (value - self.high[sensor]).max(0.0);
+        (below, above)
+    }
+
+    /// Weighted sum of the squared deviations.
+    pub fn cost(&self, values: &[f64; 16]) -> f64 {
+        let mut sum = 0.0;
+        for (sensor, value) in values.iter().enumerate() {
+            let (below, above) = self.gaps(sensor, *value);
+            let gap = below + above;
+            sum += self.weights[sensor] * gap * gap;
+        }
+        sum
+    }
+
+    /// Adds `factor` times the derivatives of that cost.
+    pub fn add_cost(&self, gradient: &mut RingGradient, values: &[f64; 16], factor: f64) {
+        for (sensor, value) in values.iter().enumerate() {
+            let (below, above) = self.gaps(sensor, *value);
+            let weight = factor * self.weights[sensor];
+            gradient.weights[sensor] += weight * (below + above) * (below + above);
+            gradient.low[sensor] -= 2.0 * weight * below;
+            gradient.high[sensor] -= 2.0 * weight * above;
+        }
+    }
+}
+
+/// Derivatives in the order of the ring's places.
+#[derive(Debug, Clone, Default)]
+pub struct RingGradient {
+    weights: [f64; 16],
+    low: [f64; 16],
+    high: [f64; 16],
+}
+
+impl RingGradient {
+    /// Adds these derivatives for a robot that goes towards place `place`.
+    pub fn add_to(&self, gradient: &mut Gradient, place: usize) {
+        for sensor in 0..16 {
+            let component = (sensor + 16 - place) % 16;
+            gradient[component] += self.weights[sensor];
+            gradient[LOW + component] += self.low[sensor];
+            gradient[HIGH + component] += self.high[sensor];
+        }
+    }
 }
 
 /// The nearest value of a situation.

@@ -133,6 +133,63 @@ fn a_goal_that_is_stood_at_has_no_progress() {
     assert_eq!(found.unwrap().progress_q16, 0);
 }
 
+/// A corner looks the same from all bearings once it is turned, though neither its nearest place
+/// nor the motion tells by how much.
+#[test]
+fn a_start_turns_situations_to_their_common_pattern() {
+    let actions = actions();
+    let mut corner = [Weight::from_num(0.1); 16];
+    corner[..5].copy_from_slice(&[0.8, 0.5, 0.3, 0.5, 0.8].map(Weight::from_num));
+    let step = |index: usize| {
+        let mut situation = corner;
+        situation.rotate_right(index % 16);
+        let bearing = Bearing::of_place(index * 7 % 16, 16);
+        ShownStep {
+            situation,
+            known: Mask::ALL,
+            course: Displacement::ZERO,
+            moved: Displacement::along(bearing, if index < 16 { 250 } else { 0 }),
+        }
+    };
+    let steps: Vec<_> = (0..32).map(step).collect();
+    let examples = Examples::new(&[demonstration(&steps, &actions)]);
+    let widest = |stands: bool| {
+        let frame = GoalFrame::Travel;
+        let starts = start::starts(&examples, Family { frame, stands });
+        let widths = starts.iter().map(|start| {
+            let widths = (0..16).map(|component| start.high[component] - start.low[component]);
+            widths.fold(0.0, f64::max)
+        });
+        widths.collect::<Vec<_>>()
+    };
+    let (onward, standing) = (widest(false), widest(true));
+    // All situations, then those alone in which it stood.
+    assert_eq!((onward.len(), standing.len()), (10, 20));
+    for widths in [&onward[..], &standing[..10], &standing[10..]] {
+        // By the motion and by the nearest thing, then by three patterns; each start twice, with
+        // less and with more left out.
+        assert!(widths[..3].iter().all(|width| *width > 0.1), "{widths:?}");
+        assert!(widths[4..].iter().all(|width| *width < 0.01), "{widths:?}");
+    }
+}
+
+/// The control asks for what was common, and does not explain the moves.
+#[test]
+fn the_spread_alone_is_another_goal() {
+    let actions = actions();
+    let steps = shown(&wall(), 1, 120);
+    let demonstrations = [demonstration(&steps, &actions)];
+    let spread = goal_of_spread(&demonstrations).unwrap();
+    assert_ne!(
+        goal_of_demonstrations(&demonstrations, |_, _| {}),
+        Ok(spread)
+    );
+    assert_eq!(
+        goal_of_spread(&[demonstration(&steps[..5], &actions)]),
+        Err(DemonstrationError::TooFewMoves { moves: 5 })
+    );
+}
+
 fn parameters(seed: u64) -> Parameters {
     let mut noise = Noise::new(seed);
     let low: [f64; 16] = std::array::from_fn(|_| noise.uniform_in(0.1, 0.5));

@@ -12,7 +12,7 @@ mod units;
 mod wrong_base;
 
 pub use step_result::{Collision, Moved, StepResult};
-pub use units::milliseconds;
+pub use units::{bearing, milliseconds};
 
 use super::leader::Leader;
 use super::places;

@@ -21,8 +21,8 @@ mod setup;
 mod sized;
 mod sources;
 
-pub use body::milliseconds;
 pub use body::{Body, Collision, Moved, StepResult};
+pub use body::{bearing, milliseconds};
 pub use capture::perceive;
 pub use drive::{
     Episode, Observer, Phase, drive_pilot, explore_and_learn, run, run_observed, run_with,

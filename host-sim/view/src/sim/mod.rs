@@ -294,7 +294,8 @@ impl Simulator {
         self.before = self.decision.map(|before| before.situation);
         self.decision = Some(*decision);
         let enabled = self.controller.inner().enabled();
-        self.recorder.decided(decision, enabled);
+        self.recorder
+            .decided(decision, result.pose.heading, enabled);
         self.touched = false;
         self.open = Some(StepFlags {
             at_goal: decision.at_goal,
@@ -317,7 +318,7 @@ impl Simulator {
 
     fn follow(&mut self, result: &StepResult) {
         let Some(moved) = &result.moved else { return };
-        self.recorder.moved(moved, result.pose.heading);
+        self.recorder.moved(moved);
         self.metrics()
             .moved(moved.from, moved.to, moved.traveled_m, moved.clearance_m);
         self.touched |= moved.touched;

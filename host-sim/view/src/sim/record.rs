@@ -7,8 +7,8 @@ use amp::controller::Decision;
 use amp::fixed::Mask;
 use amp::units::Displacement;
 use arena::world::Point;
-use sim::demonstration::{Demonstration, ShownStep, goal_of_demonstrations};
-use sim::episode::Moved;
+use sim::demonstration::{Demonstration, DemonstrationRecorder, goal_of_demonstrations};
+use sim::episode::{Moved, bearing};
 
 /// Most steps of a recording: learning from them takes seconds.
 const MAX_STEPS: usize = 300;
@@ -18,52 +18,51 @@ const MAX_STEPS: usize = 300;
 pub(super) struct Recorder {
     /// Decisions with a goal are recorded.
     is_on: bool,
-    shown: Vec<ShownStep>,
-    /// The step whose motion is under way.
-    open: Option<ShownStep>,
-    /// Way since the last decision, m in the ring's frame.
+    steps: DemonstrationRecorder,
+    /// Way since the last decision, m in the world's frame.
     way: Point,
-    course: Displacement,
+    /// Bearing of the ring at that decision, rad; `None` before the first.
+    ring_heading: Option<f64>,
 }
 
 impl Recorder {
     /// The base has moved.
-    pub(super) fn moved(&mut self, moved: &Moved, ring_heading: f64) {
-        let way = (moved.to - moved.from).turned_back(Point::unit(ring_heading));
-        self.way = self.way + way;
+    pub(super) fn moved(&mut self, moved: &Moved) {
+        self.way = self.way + (moved.to - moved.from);
     }
 
-    /// The robot has decided; of its transducers these are known.
-    pub(super) fn decided(&mut self, decision: &Decision<16>, known: Mask) {
+    /// The robot has decided, with its ring at this bearing; of its transducers these are known.
+    pub(super) fn decided(&mut self, decision: &Decision<16>, ring_heading: f64, known: Mask) {
         let way = std::mem::take(&mut self.way);
+        let before = self.ring_heading.replace(ring_heading);
+        let before = before.unwrap_or(ring_heading);
+        let way = way.turned_back(Point::unit(before));
         let millimeters = |meters: f64| libm::rint(meters * 1e3) as i32;
         let moved = Displacement::saturating(millimeters(way.x), millimeters(way.y));
-        if let Some(step) = self.open.take() {
-            self.shown.push(ShownStep { moved, ..step });
-        }
-        if moved != Displacement::ZERO {
-            self.course = moved;
-        }
-        let is_room = self.shown.len() < MAX_STEPS;
-        self.is_on &= is_room;
-        if self.is_on && decision.plan.is_some() {
-            self.open = Some(ShownStep {
-                situation: decision.situation,
-                known,
-                course: self.course,
-                moved: Displacement::ZERO,
-            });
+        let is_shown = self.is_on && decision.plan.is_some();
+        let perceived = is_shown.then_some((decision.situation, known));
+        let turned = bearing(ring_heading - before);
+        self.steps.decided(moved, turned, perceived);
+        if self.steps.shown().len() >= MAX_STEPS {
+            self.end();
         }
     }
 
     /// The robot was carried: the step under way shows nothing.
     pub(super) fn carried(&mut self) {
-        (self.open, self.way) = (None, Point::default());
+        self.steps.abandon();
+        self.way = Point::default();
+    }
+
+    fn end(&mut self) {
+        self.is_on = false;
+        self.steps.abandon();
     }
 
     /// Whether it records, and the number of steps.
     pub(super) fn state(&self) -> Option<(bool, usize)> {
-        (self.is_on || !self.shown.is_empty()).then_some((self.is_on, self.shown.len()))
+        let count = self.steps.shown().len();
+        (self.is_on || count > 0).then_some((self.is_on, count))
     }
 }
 
@@ -79,16 +78,15 @@ impl Simulator {
                 ..Recorder::default()
             };
         } else {
-            self.recorder.is_on = false;
-            self.recorder.open = None;
+            self.recorder.end();
         }
         Ok(())
     }
 
     /// Pursues the goal of the recording.
     pub(super) fn use_recorded(&mut self) -> Result<(), CommandRefused> {
-        self.recorder.is_on = false;
-        let shown = &self.recorder.shown;
+        self.recorder.end();
+        let shown = self.recorder.steps.shown();
         let known = self.controller.pilot().cached_state()?;
         let demonstration = Demonstration {
             shown,

@@ -24,7 +24,9 @@ pub(super) fn millimeters(m: f64) -> i16 {
     ((m * 1e3).clamp(-most - 1.0, most) + ROUNDS).to_bits() as i16
 }
 
-pub(super) fn bearing(angle_rad: f64) -> Bearing {
+/// The nearest bearing to an angle, rad.
+#[must_use]
+pub fn bearing(angle_rad: f64) -> Bearing {
     let turns = libm::rint(angle_rad / TAU * 65_536.0);
     Bearing::from_turns(turns as i64 as u16)
 }
