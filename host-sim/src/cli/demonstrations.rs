@@ -25,7 +25,7 @@ pub struct DemonstrationsArgs {
     /// Robots in each world, each with its own 100 random moves
     #[arg(long, value_name = "SEEDS", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=999))]
     seeds: u32,
-    /// Number of the first world
+    /// Number of the first world; the demonstrations are in worlds from 1000 numbers later on
     #[arg(long, value_name = "NUMBER", default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(..=u64::from(u32::MAX)))]
     first: u64,
     /// Drives of a demonstration
@@ -58,8 +58,8 @@ const HEADS: [&str; 8] = [
     "by hand",
     "demonstrated",
     "contact steps %",
+    "spread alone",
     "not told",
-    "contact steps % ",
 ];
 
 /// Measures and prints the table.
@@ -81,7 +81,7 @@ pub fn demonstrations(args: &DemonstrationsArgs, out: &mut impl Write) -> Result
         },
     };
     let episodes = u64::from(args.worlds) * u64::from(args.seeds);
-    let each = 6 * episodes + u64::from(args.worlds);
+    let each = 8 * episodes + u64::from(args.worlds);
     let progress = bar(each * tasks.len() as u64, "episodes");
     let rows = pool(args.threads)?.install(|| {
         let rows = tasks
@@ -117,6 +117,7 @@ struct Row {
     worlds: TaskWorlds,
     by_hand: TaskOutcome,
     demonstrated: TaskOutcome,
+    spread_alone: TaskOutcome,
     not_told: TaskOutcome,
 }
 
@@ -135,6 +136,7 @@ fn rows_of(
             worlds,
             by_hand: measured(Pursuit::HandWritten)?,
             demonstrated: measured(Pursuit::Demonstrated(&goals))?,
+            spread_alone: measured(Pursuit::SpreadAlone(&goals))?,
             not_told: measured(Pursuit::Avoiding)?,
         })
     };
@@ -171,8 +173,8 @@ impl Row {
             value(&self.by_hand),
             value(&self.demonstrated),
             contacts(&self.demonstrated),
+            value(&self.spread_alone),
             value(&self.not_told),
-            contacts(&self.not_told),
         ]
     }
 
@@ -191,6 +193,7 @@ impl Row {
             "less_is_better": self.task.less_is_better,
             "by_hand": part(&self.by_hand),
             "demonstrated": part(&self.demonstrated),
+            "spread_alone": part(&self.spread_alone),
             "not_told": part(&self.not_told),
         })
     }

@@ -10,7 +10,7 @@ mod rules;
 mod tasks;
 mod teacher;
 
-pub use tasks::{TASKS, Task, TaskWorlds};
+pub use tasks::{TASKS, Task, TaskKind, TaskWorlds};
 
 use crate::behaviors::BySeed;
 use amp::config::Config;
@@ -19,10 +19,10 @@ use arena::noise::Noise;
 use arena::robot::{COLLISION_RADIUS_M, TurretMode};
 use arena::sonar::SonarModel;
 use arena::world::{Point, World};
-use measure::{Path, PathObserver};
+use measure::PathObserver;
 use rayon::prelude::*;
 use sim::behavior::Behavior;
-use sim::demonstration::{Demonstration, ShownStep, goal_of_demonstrations};
+use sim::demonstration::{Demonstration, ShownStep, goal_of_demonstrations, goal_of_spread};
 use sim::episode::{Setup, elsewhere, explore_and_learn, run_observed};
 use sim::error::EpisodeError;
 use sim::goal_file::GoalFile;
@@ -30,8 +30,10 @@ use sim::pilot::{InspectableController as _, LocalController};
 use sim::statistics::{Mean, bootstrap};
 use teacher::Demonstrator;
 
-/// Number of the first world of the demonstrations.
-const FIRST_DEMONSTRATION: u64 = 500;
+/// The worlds of the demonstrations begin so many numbers after those in which they are pursued.
+const DEMONSTRATIONS_AFTER: u64 = 1_000;
+/// Most drives of a demonstration.
+pub const MAX_DRIVES: u32 = 20;
 
 /// Size and conditions of the measurement.
 #[derive(Debug, Clone)]
@@ -42,7 +44,7 @@ pub struct DemonstrationTrial {
     pub worlds: u32,
     /// Robots in each world, each with its own random moves.
     pub seeds: u32,
-    /// Drives of a demonstration.
+    /// Drives of a demonstration, at most [`MAX_DRIVES`].
     pub drives: u32,
     /// Situations of a drive.
     pub length: u32,
@@ -52,11 +54,22 @@ pub struct DemonstrationTrial {
     pub config: Config<16>,
 }
 
+/// What one demonstration gives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DemonstratedGoal {
+    /// The goal that was most probably pursued.
+    pub learned: Goal<16>,
+    /// The control: what the situations have in common.
+    pub spread_alone: Goal<16>,
+}
+
 /// What pursues a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pursuit<'a> {
     /// The goals of the demonstrations, by world.
-    Demonstrated(&'a [Goal<16>]),
+    Demonstrated(&'a [DemonstratedGoal]),
+    /// Their controls.
+    SpreadAlone(&'a [DemonstratedGoal]),
     /// The built-in goal, or the rule that demonstrated it.
     HandWritten,
     /// Obstacle avoidance: no demonstration.
@@ -90,7 +103,8 @@ pub fn measure(
     let of_world = |index: u64| {
         let number = trial.first + index;
         let goal = match pursuit {
-            Pursuit::Demonstrated(goals) => goals.get(index as usize).copied(),
+            Pursuit::Demonstrated(goals) => goals.get(index as usize).map(|goal| goal.learned),
+            Pursuit::SpreadAlone(goals) => goals.get(index as usize).map(|goal| goal.spread_alone),
             Pursuit::Avoiding => Some(Goal::avoiding(&trial.config)),
             Pursuit::HandWritten => None,
         };
@@ -125,7 +139,7 @@ pub fn demonstrated_goals(
     task: &Task,
     trial: &DemonstrationTrial,
     done: &(impl Fn() + Sync),
-) -> Result<Vec<Goal<16>>, EpisodeError> {
+) -> Result<Vec<DemonstratedGoal>, EpisodeError> {
     let goal = |index| {
         let goal = demonstrated_goal(task, index, trial);
         done();
@@ -142,8 +156,8 @@ fn demonstrated_goal(
     task: &Task,
     index: u64,
     trial: &DemonstrationTrial,
-) -> Result<Goal<16>, EpisodeError> {
-    let number = FIRST_DEMONSTRATION + index;
+) -> Result<DemonstratedGoal, EpisodeError> {
+    let number = trial.first + DEMONSTRATIONS_AFTER + index * u64::from(MAX_DRIVES);
     let world = task.world(TaskWorlds::Usual, number);
     let mut controller = LocalController::new(trial.config.clone());
     let setup = setup(task, number, trial);
@@ -151,8 +165,8 @@ fn demonstrated_goal(
     let mut shown: Vec<ShownStep> = Vec::new();
     for drive in 0..u64::from(trial.drives) {
         // Each drive is in another world.
-        let world = task.world(TaskWorlds::Usual, number * 100 + drive);
-        let seed = number * 100 + drive;
+        let seed = number + drive;
+        let world = task.world(TaskWorlds::Usual, seed);
         let demonstrator = Demonstrator {
             task,
             config: &trial.config,
@@ -163,14 +177,17 @@ fn demonstrated_goal(
         let driven = demonstrator.drive(&world, start, trial.sonar, trial.length, seed)?;
         shown.extend(driven.shown);
     }
-    let demonstration = Demonstration {
+    let demonstration = [Demonstration {
         shown: &shown,
         actions: controller.state().actions(),
         step_mm: trial.config.robot.step_mm,
-    };
-    let goal = goal_of_demonstrations(&[demonstration], |_, _| {});
+    }];
     // A teacher that stood all the time shows nothing but to stand.
-    Ok(goal.unwrap_or_else(|_| Goal::avoiding(&trial.config)))
+    let avoiding = |_| Goal::avoiding(&trial.config);
+    Ok(DemonstratedGoal {
+        learned: goal_of_demonstrations(&demonstration, |_, _| {}).unwrap_or_else(avoiding),
+        spread_alone: goal_of_spread(&demonstration).unwrap_or_else(avoiding),
+    })
 }
 
 fn setup(task: &Task, seed: u64, trial: &DemonstrationTrial) -> Setup {
@@ -228,7 +245,7 @@ fn pursue(
         })
     });
     let mut controller = LocalController::new(trial.config.clone());
-    if goal.is_none() && !task.built_in {
+    if let (None, TaskKind::ByRule { measure, .. }) = (goal, task.kind) {
         explore_and_learn(world, &setup, &mut controller)?;
         let demonstrator = Demonstrator {
             task,
@@ -237,7 +254,7 @@ fn pursue(
             disturbed: false,
         };
         let driven = demonstrator.drive(world, place, trial.sonar, task.steps, seed)?;
-        let value = task.value(world, &driven.path);
+        let value = measure(world, &driven.path);
         return Ok((value, task.steps, driven.path.contacts));
     }
     let mut observer = PathObserver::default();
@@ -249,16 +266,10 @@ fn pursue(
         |_, _, _| {},
     )?;
     let report = &episode.report;
-    let value = match (task.built_in, &setup.behavior) {
-        (true, Behavior::Avoid) => report.coverage_m2,
-        (true, _) => report.success,
-        (false, _) => task.value(world, &observer.last(task.steps)),
+    let value = match (task.kind, &setup.behavior) {
+        (TaskKind::ByRule { measure, .. }, _) => measure(world, &observer.last(task.steps)),
+        (TaskKind::BuiltIn, Behavior::Avoid) => report.coverage_m2,
+        (TaskKind::BuiltIn, _) => report.success,
     };
     Ok((value, report.steps, report.contacts))
-}
-
-impl Task {
-    fn value(&self, world: &World, path: &Path) -> f64 {
-        (self.measure)(world, path)
-    }
 }

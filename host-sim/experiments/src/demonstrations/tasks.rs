@@ -17,6 +17,20 @@ pub enum TaskWorlds {
     Other,
 }
 
+/// What demonstrates a task.
+#[derive(Debug, Clone, Copy)]
+pub enum TaskKind {
+    /// The built-in goal of the behavior of its name, which has a measure of its own.
+    BuiltIn,
+    /// A rule that sees the world.
+    ByRule {
+        /// The rule.
+        rule: Rule,
+        /// How well a path does the task.
+        measure: Measure,
+    },
+}
+
 /// What is demonstrated, and how it is measured.
 pub struct Task {
     /// Its name.
@@ -29,15 +43,12 @@ pub struct Task {
     pub less_is_better: bool,
     /// Decisions.
     pub steps: u32,
-    /// It is demonstrated by the built-in goal of the behavior of its name, and has its measure.
-    pub built_in: bool,
+    /// What demonstrates it.
+    pub kind: TaskKind,
     /// Another robot starts ahead.
     pub leader: bool,
     /// Where the robot begins; `None` = anywhere.
     pub start: Option<fn(TaskWorlds, &World, u64) -> Point>,
-    /// The rule that demonstrates it without a built-in goal.
-    pub rule: Rule,
-    pub(super) measure: Measure,
     worlds: [fn(u64) -> World; 2],
 }
 
@@ -54,11 +65,9 @@ impl Task {
             unit,
             less_is_better: false,
             steps: 500,
-            built_in: true,
+            kind: TaskKind::BuiltIn,
             leader: false,
             start: None,
-            rule: rules::center,
-            measure: off_center,
             worlds,
         }
     }
@@ -71,9 +80,7 @@ impl Task {
         worlds: [fn(u64) -> World; 2],
     ) -> Self {
         Self {
-            built_in: false,
-            rule,
-            measure,
+            kind: TaskKind::ByRule { rule, measure },
             less_is_better: true,
             steps: 300,
             ..Self::built_in(name, unit, places, worlds)
@@ -103,9 +110,10 @@ impl Task {
     /// The behavior that is measured with it.
     #[must_use]
     pub fn behavior(&self) -> Behavior {
-        let named = Some(self.name).filter(|_| self.built_in);
-        let behavior = named.and_then(|name| name.parse().ok());
-        behavior.unwrap_or(Behavior::Avoid)
+        match self.kind {
+            TaskKind::BuiltIn => self.name.parse().unwrap_or(Behavior::Avoid),
+            TaskKind::ByRule { .. } => Behavior::Avoid,
+        }
     }
 
     /// World number `index` of a kind.

@@ -2,7 +2,7 @@
 
 use super::measure::Path;
 use super::rules::{Rule, TeacherView};
-use super::tasks::Task;
+use super::tasks::{Task, TaskKind};
 use amp::config::Config;
 use amp::fixed::Mask;
 use amp::goal::Goal;
@@ -13,7 +13,7 @@ use arena::noise::Noise;
 use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::{Point, World};
-use sim::demonstration::ShownStep;
+use sim::demonstration::{DemonstrationRecorder, ShownStep};
 use sim::episode::{Body, Seeds};
 use sim::error::EpisodeError;
 use sim::pilot::SimState;
@@ -56,10 +56,14 @@ impl Demonstrator<'_> {
         steps: u32,
         seed: u64,
     ) -> Result<Driven, EpisodeError> {
-        let built_in = Some(self.task.behavior()).filter(|_| self.task.built_in);
-        let teaching = match built_in.and_then(|behavior| behavior.fixed_goal(self.config)) {
-            Some(goal) => Teaching::Goal(Box::new(goal)),
-            None => Teaching::Rule(self.task.rule),
+        let teaching = match self.task.kind {
+            TaskKind::BuiltIn => {
+                let goal = self.task.behavior().fixed_goal(self.config);
+                Teaching::Goal(Box::new(
+                    goal.unwrap_or_else(|| Goal::avoiding(self.config)),
+                ))
+            }
+            TaskKind::ByRule { rule, .. } => Teaching::Rule(rule),
         };
         let mut body = Body::new(world, sonar, TurretMode::Held, Seeds::of(seed).noise);
         body.set_down_at(start);
@@ -79,7 +83,7 @@ impl Demonstrator<'_> {
                 path.places.push((body.pose().position, body.leader()));
                 decisions += 1;
                 if decisions >= steps {
-                    let shown = pilot.into_policy().shown;
+                    let shown = pilot.into_policy().recorder.into_shown();
                     return Ok(Driven { shown, path });
                 }
             }
@@ -99,10 +103,8 @@ impl Demonstrator<'_> {
                 leader: None,
                 course: Point::new(1.0, 0.0),
             },
-            course: Displacement::ZERO,
-            asked: None,
             decisions: 0,
-            shown: Vec::new(),
+            recorder: DemonstrationRecorder::default(),
         }
     }
 }
@@ -122,11 +124,8 @@ struct Teacher<'w> {
     /// Random moves.
     noise: Option<Noise>,
     view: TeacherView<'w>,
-    course: Displacement,
-    /// The situation of the move under way, if it is demonstrated.
-    asked: Option<Situation<16>>,
     decisions: u32,
-    shown: Vec<ShownStep>,
+    recorder: DemonstrationRecorder,
 }
 
 impl Teacher<'_> {
@@ -135,21 +134,17 @@ impl Teacher<'_> {
         self.view.leader = body.leader();
     }
 
-    /// Records the move that has ended.
-    fn record(&mut self, way: Point) {
+    /// The motion before this decision, in mm.
+    fn moved(&mut self, perceived: &Perception) -> Displacement {
+        let Some(last) = perceived.last else {
+            return Displacement::ZERO;
+        };
         let millimeters = |meters: f64| libm::round(meters * 1e3) as i32;
-        let moved = Displacement::saturating(millimeters(way.x), millimeters(way.y));
-        if let Some(situation) = self.asked.take() {
-            self.shown.push(ShownStep {
-                situation,
-                known: Mask::ALL,
-                course: self.course,
-                moved,
-            });
-        }
+        let moved = Displacement::saturating(millimeters(last.moved.x), millimeters(last.moved.y));
         if moved != Displacement::ZERO {
-            (self.course, self.view.course) = (moved, way);
+            self.view.course = last.moved;
         }
+        moved
     }
 
     fn taught(&self, situation: &Situation<16>) -> Point {
@@ -163,7 +158,7 @@ impl Teacher<'_> {
                     enabled: Mask::ALL,
                     allowed: Mask::ALL,
                     current: None,
-                    course: self.course,
+                    course: self.recorder.course(),
                     cut: false,
                 };
                 let action = planner.plan(situation, goal).action;
@@ -176,18 +171,18 @@ impl Teacher<'_> {
 
 impl Policy for Teacher<'_> {
     fn decide(&mut self, perceived: &Perception) -> Point {
-        if let Some(last) = perceived.last {
-            self.record(last.moved);
-        }
+        let moved = self.moved(perceived);
         self.decisions += 1;
-        if let Some(noise) = &mut self.noise
-            && self.decisions.is_multiple_of(DISTURBED)
-        {
-            return Point::unit(noise.uniform_in(0.0, TAU)) * STEP_M;
-        }
+        let disturbed = match &mut self.noise {
+            Some(noise) if self.decisions.is_multiple_of(DISTURBED) => {
+                Some(Point::unit(noise.uniform_in(0.0, TAU)) * STEP_M)
+            }
+            _ => None,
+        };
         let value = |range| self.config.encoding.value(range);
         let situation = perceived.ranges.map(value);
-        self.asked = Some(situation);
-        self.taught(&situation)
+        let shown = disturbed.is_none().then_some((situation, Mask::ALL));
+        self.recorder.decided(moved, perceived.turned, shown);
+        disturbed.unwrap_or_else(|| self.taught(&situation))
     }
 }
