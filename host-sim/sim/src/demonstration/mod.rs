@@ -169,8 +169,8 @@ fn examples_of(demonstrations: &[Demonstration<'_>]) -> Result<Examples, Demonst
     Ok(Examples::new(demonstrations))
 }
 
-/// The control of [`goal_of_demonstrations`]: the start of its search under which the moves are most
-/// probable, as it is. It is what the demonstrated situations have in common.
+/// The control of [`goal_of_demonstrations`]: the start of its search under which the moves are
+/// most probable, as it is. It is what the demonstrated situations have in common.
 ///
 /// # Errors
 /// As [`goal_of_demonstrations`].
