@@ -257,7 +257,11 @@ fn times(measured: &[Measured]) -> String {
 
 /// What the table was measured in.
 fn about(args: &RivalsArgs) -> String {
-    format!("{}, {} steps of each behavior", conditions(args), args.steps)
+    format!(
+        "{}, {} steps of each behavior",
+        conditions(args),
+        args.steps
+    )
 }
 
 fn conditions(args: &RivalsArgs) -> String {
