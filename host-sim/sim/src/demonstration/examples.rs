@@ -41,7 +41,7 @@ impl Examples {
         Self(examples.collect())
     }
 
-    /// Each of this number.
+    /// One example in `number`, from the first on.
     pub fn every(&self, number: usize) -> Self {
         Self(self.0.iter().step_by(number).cloned().collect())
     }

@@ -32,13 +32,13 @@ use likelihood::Fit;
 pub const MIN_MOVES: usize = 10;
 /// Iterations from each start.
 const FIRST_ITERATIONS: u32 = 60;
-/// They see each example of this number only.
+/// They see one example in this many.
 const FIRST_EXAMPLES: usize = 3;
 /// Starts of each family that are continued: those that are best after these.
 const FINALISTS_OF_FAMILY: usize = 2;
 /// Iterations that show which of them are best.
 const SECOND_ITERATIONS: u32 = 60;
-/// Those that are continued to the end.
+/// Starts that are continued to the end, of all families.
 const FINALISTS: usize = 4;
 /// Iterations in all.
 const ITERATIONS: u32 = 250;
