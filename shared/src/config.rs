@@ -216,6 +216,11 @@ pub enum PlannerKind {
     /// it, leads nearest to the goal.
     #[serde(alias = "Headings")]
     BestHeading,
+    /// As [`PlannerKind::BestHeading`], but a robot that comes no nearer to a place does not
+    /// wander: it goes several steps over the graph of traversed situations, if that knows a way.
+    /// A device without the feature `graph` refuses such a configuration.
+    #[cfg(feature = "graph")]
+    Traversed,
 }
 
 /// What to do when no action leads nearer to a place.

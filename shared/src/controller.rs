@@ -46,6 +46,8 @@ mod parts;
 mod search;
 pub(crate) mod supervise;
 mod tracked;
+#[cfg_attr(not(feature = "graph"), path = "controller/traverse/absent.rs")]
+mod traverse;
 
 pub(crate) use commands::refused;
 pub use message::{
@@ -110,6 +112,9 @@ pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usiz
     /// The way on which a memory of places leads the robot, if it does. Zeros at first.
     leg: Leg,
     is_led: bool,
+    /// What was traversed, for plans of several steps.
+    #[cfg(feature = "graph")]
+    graph: traverse::TraversedGraph<NEURONS>,
 }
 
 /// The state for the Nomad 200 with the paper's sizes.
@@ -152,6 +157,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             search: SearchProgress::NEW,
             leg: Leg::ZERO,
             is_led: false,
+            #[cfg(feature = "graph")]
+            graph: traverse::TraversedGraph::new(),
         }
     }
 

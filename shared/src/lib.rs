@@ -35,6 +35,7 @@
 //! | [`action_map`] | the map of (change of situation, action) |
 //! | [`memory`] | the lazy memory of samples |
 //! | [`goal`] | behaviors as goal situations |
+//! | `graph` | which situation followed which, by what displacement (feature `graph`) |
 //! | [`modality`] | what else is perceived, where and when: a scent, the light |
 //! | [`places`] | where the robot was, and the way back by sub-goals |
 //! | [`sequence`] | sequences of patterns, recalled by a pair of associative memories |
@@ -60,6 +61,7 @@
 //! | `link` | yes | [`wire`], [`link`], [`node`]: the controller behind a serial link (needs `store`) |
 //! | `store` | yes | [`store`]: the saved image |
 //! | `faults` | yes | fault detection; without it [`faults::Detector`] detects nothing |
+//! | `graph` | no | plans over the graph of traversed situations (`PlannerKind::Traversed`) |
 //! | `defmt` | no | `defmt::Format` for units, motions, modes, refusals and faults |
 //!
 //! # Limits
@@ -105,6 +107,8 @@ pub mod faults;
 #[path = "faults/absent.rs"]
 pub mod faults;
 pub mod goal;
+#[cfg(feature = "graph")]
+pub mod graph;
 #[cfg(feature = "link")]
 pub mod link;
 pub mod memory;

@@ -12,7 +12,7 @@
 
 use crate::body::{Body, HeldRing};
 use crate::config::{Config, MAX_CONFIG};
-use crate::controller::{self, Event, Mode, NomadState, State, StopReason};
+use crate::controller::{self, Event, Mode, State, StopReason};
 use crate::goal::{Goal, NamedGoals};
 use crate::link::Link;
 use crate::som::Grid;
@@ -96,7 +96,8 @@ pub struct Node<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize
 /// The node of the Nomad 200 with the paper's sizes.
 pub type NomadNode = Node<16, 16, 100>;
 
-const _: () = assert!(size_of::<NomadState>() <= 8_704);
+#[cfg(not(feature = "graph"))]
+const _: () = assert!(size_of::<controller::NomadState>() <= 8_704);
 
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, B: Body<SENSORS>> Default
     for Node<SENSORS, NEURONS, SAMPLES, B>

@@ -147,7 +147,7 @@ impl<const SENSORS: usize, const NEURONS: usize, S: Selection> Planner<'_, SENSO
                 let goal = goal.towards(travel);
                 self.plan_by_recall(situation, &goal, &bounds, [goal_neuron, current])
             }
-            PlannerKind::BestNeuron | PlannerKind::BestHeading => {
+            _ => {
                 let view = GoalView::new(self, goal, &bounds, travel);
                 self.plan_by_look_ahead(situation, &view, [goal_neuron, current])
             }

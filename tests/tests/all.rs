@@ -40,5 +40,6 @@ mod rivals;
 mod sequence;
 mod serial;
 mod servers;
+mod several_steps;
 mod sweep;
 mod view;

@@ -5,6 +5,7 @@ use amp::config::Config;
 use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::World;
+use files::error::BadInput;
 use rayon::prelude::*;
 use sim::behavior::Behavior;
 use sim::episode::{Body, Episode, Metrics, Seeds, Setup, drive_pilot, run};
@@ -44,6 +45,16 @@ impl Generator {
             Self::Random => "random",
             Self::Random2 => "random2",
         }
+    }
+}
+
+impl std::str::FromStr for Generator {
+    type Err = BadInput;
+
+    fn from_str(text: &str) -> Result<Self, BadInput> {
+        let all = [Self::Random, Self::Random2];
+        let found = all.into_iter().find(|generator| generator.name() == text);
+        found.ok_or_else(|| BadInput::unknown("generator", text, &all.map(Self::name)))
     }
 }
 

@@ -20,3 +20,4 @@ pub mod rivals;
 pub mod scenes;
 pub mod sequence;
 pub mod sweep;
+pub mod traversed;

@@ -18,6 +18,7 @@ mod demonstrations;
 mod errands;
 mod faults;
 mod goal;
+mod graph;
 mod learn;
 mod link;
 mod log;
@@ -26,6 +27,7 @@ mod nomad;
 mod output;
 mod paper;
 mod patrol;
+mod preset;
 mod remote;
 mod repetition;
 mod rivals;
@@ -106,6 +108,8 @@ enum CliCommand {
     /// Print the goal of a behavior as a file, for `run --goal FILE` and `link goal FILE`, or learn
     /// one from a demonstration
     Goal(goal::GoalArgs),
+    /// Measure whether the neuron aimed at is reached, and the nest found, by preset
+    Graph(graph::GraphArgs),
     /// Measure whether a behavior improves by repetition, compared with frozen maps
     Repetition(repetition::RepetitionArgs),
     /// Send a robot from place to place, again and again, while its world changes
@@ -210,6 +214,7 @@ fn execute(command: Option<CliCommand>, out: &mut impl Write) -> Result<(), CliE
         Some(CliCommand::Behaviors(args)) => behaviors::behaviors(&args, out),
         Some(CliCommand::Capture(args)) => capture::capture(&args, out),
         Some(CliCommand::Goal(args)) => goal::goal(&args, out),
+        Some(CliCommand::Graph(args)) => graph::graph(&args, out),
         Some(CliCommand::Demonstrations(args)) => demonstrations::demonstrations(&args, out),
         Some(CliCommand::Repetition(args)) => repetition::repetition(&args, out),
         Some(CliCommand::Errands(args)) => errands::errands(&args, out),

@@ -30,7 +30,7 @@ pub struct RivalsArgs {
     #[arg(long, value_name = "MOVES", value_delimiter = ',', default_value = "10,30,100,300,1000", value_parser = clap::value_parser!(u16).range(1..=i64::from(MAX_MOVES)))]
     moves: Vec<u16>,
     /// Generator of the worlds: random (rooms with boxes) or random2 (twelve other kinds)
-    #[arg(long, value_name = "NAME", default_value = "random", value_parser = parse_generator)]
+    #[arg(long, value_name = "NAME", default_value = "random")]
     generator: Generator,
     /// Number of worlds; each is driven with its own seed
     #[arg(long, value_name = "WORLDS", default_value_t = 48, value_parser = clap::value_parser!(u32).range(1..=100_000))]
@@ -100,12 +100,6 @@ fn parse_rivals(text: &str) -> Result<Rivals, BadInput> {
     Ok(Rivals(
         listed.filter(|rival| named.contains(rival)).collect(),
     ))
-}
-
-fn parse_generator(text: &str) -> Result<Generator, BadInput> {
-    let all = [Generator::Random, Generator::Random2];
-    let found = all.into_iter().find(|generator| generator.name() == text);
-    found.ok_or_else(|| BadInput::unknown("generator", text, &all.map(Generator::name)))
 }
 
 const HEADS: [&str; 9] = [

@@ -4,10 +4,11 @@ use super::CliError;
 use super::goal;
 use super::neurons::NeuronArgs;
 use super::output::{bar, pool, prepare};
+pub use super::preset::Preset;
 use super::remote::{MindArgs, MindChoice, Remote, needs_places};
 use super::setup::SetupArgs;
 use super::summary;
-use amp::config::Config;
+use amp::config::PlannerKind;
 use arena::loaders::{WorldSource, parse_worlds};
 use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
@@ -152,48 +153,6 @@ impl From<TurretChoice> for TurretMode {
     }
 }
 
-/// Presets as named on the command line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Preset {
-    /// The best found
-    Default,
-    /// The best that keeps the paper's four steps
-    Probe,
-    /// The most literal reading of the paper
-    Touzet,
-}
-
-impl Preset {
-    /// Its name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Default => "default",
-            Self::Probe => "probe",
-            Self::Touzet => "touzet",
-        }
-    }
-
-    /// Its configuration.
-    #[must_use]
-    pub fn config(self) -> Config<16> {
-        match self {
-            Self::Default => Config::recommended(),
-            Self::Probe => Config::probing(),
-            Self::Touzet => Config::touzet(),
-        }
-    }
-
-    /// Motion of its turret while the base steers.
-    #[must_use]
-    pub fn turret(self) -> TurretMode {
-        match self {
-            Self::Default | Self::Probe => TurretMode::Held,
-            Self::Touzet => TurretMode::Follow,
-        }
-    }
-}
-
 /// Runs the episodes and prints their lines in the order of the worlds.
 ///
 /// # Errors
@@ -207,6 +166,7 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), CliError> {
     check_outputs(args, sources.len())?;
     check_robot(&setup)?;
     args.neurons.check(args, &setup)?;
+    check_planner(args, &setup)?;
     let mut remote = Remote::connect(&args.mind, setup.explore_moves, setup.robot.as_ref())?;
     if let Some(remote) = &mut remote {
         check_remote(args, &setup, remote)?;
@@ -265,6 +225,19 @@ fn check_robot(setup: &Setup) -> Result<(), BadInput> {
         ))),
         _ => Ok(()),
     }
+}
+
+/// Refuses plans of several steps by a controller at the other end of a link: devices have no graph
+/// of traversed situations.
+fn check_planner(args: &RunArgs, setup: &Setup) -> Result<(), BadInput> {
+    let is_here = args.mind.choice == MindChoice::Host;
+    if is_here || setup.config.planning.planner != PlannerKind::Traversed {
+        return Ok(());
+    }
+    Err(BadInput::new(
+        "--preset graph, --set planner=traversed: only with --mind host; a device has no graph of \
+         traversed situations",
+    ))
 }
 
 /// Refuses what a controller at the other end of a link cannot do without a memory of places.

@@ -98,6 +98,21 @@ impl Config<16> {
         }
     }
 
+    /// As [`recommended`](Self::recommended), but where one step no longer leads nearer to a place,
+    /// it plans several over the graph of traversed situations.
+    #[cfg(feature = "graph")]
+    #[must_use]
+    pub const fn traversing() -> Self {
+        let recommended = Self::recommended();
+        Self {
+            planning: Planning {
+                planner: PlannerKind::Traversed,
+                ..recommended.planning
+            },
+            ..recommended
+        }
+    }
+
     /// The best found that keeps the paper's four steps: the action map is probed with the change
     /// of situation wanted. The ring is to keep its bearing in the world.
     #[must_use]

@@ -39,6 +39,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             }
             Command::Seek(goal) => {
                 self.search = SearchProgress::NEW;
+                self.interrupt_traversal();
                 self.forgive_pause(config, at);
                 Mode::Seek { goal }
             }
@@ -124,6 +125,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             return Outputs::none();
         }
         self.learned = true;
+        self.traverse_memory(config);
         self.enter(at, Mode::Idle)
     }
 }

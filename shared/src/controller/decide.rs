@@ -11,7 +11,6 @@ use crate::goal::{Goal, GoalFrame};
 use crate::memory::{self, Sample};
 use crate::planner::{Plan, Planner, Why};
 use crate::scan::{Aligned, Situation};
-use crate::shield::Allowed;
 use crate::som::Neighborhood;
 use crate::som::Update;
 use crate::units::{Bearing, Direction, Displacement, Millis};
@@ -102,6 +101,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         // Borrowed: a copy would be expensive.
         let cut = self.pending.as_ref().is_some_and(Pending::was_cut);
         let current = self.learn_online(config, enabled, &situation.0);
+        let current = self.traverse(config, enabled, &situation.0, current);
         self.inhibit(config, cut);
         if config.planning.planner != PlannerKind::Recall {
             self.actions.keep_products();
@@ -147,6 +147,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let wandering = match &leading {
             Some(_) => None,
             None => wandering_goal(config, enabled, situation, goal, search, course),
+        };
+        if wandering.is_some()
+            && let Some(plan) = self.plan_traversed(config, enabled, S::ALL, situation, current)
+        {
+            return Some((plan, None));
+        }
+        let Mode::Seek { goal } = &self.mode else {
+            return None;
         };
         if wandering.is_some() || leading.is_some() {
             self.last_plan.forget_cost();
@@ -313,26 +321,6 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             change,
             action: config.action_code.encode(action, config.robot.step_mm),
             mask,
-        })
-    }
-
-    /// The motion wanted, a first step aside or (for a planned motion) a detour, and how much of it
-    /// the shield allows.
-    fn limit_motion(
-        &self,
-        config: &Config<SENSORS>,
-        now: Millis,
-        wanted: Displacement,
-        planned: bool,
-    ) -> (Displacement, Allowed) {
-        let enabled = self.enabled(config);
-        let side_step = self.shield.step_aside(config, enabled, wanted, now);
-        side_step.unwrap_or_else(|| {
-            if planned {
-                (self.shield).detour(config, enabled, wanted, now, self.blocked)
-            } else {
-                (wanted, self.shield.allow(config, enabled, wanted, now))
-            }
         })
     }
 

@@ -5,6 +5,7 @@ use super::tracked::Tracked;
 use super::{Motion, Outputs, Progress, State, patience_ms};
 use crate::config::Config;
 use crate::scan::{Aligned, Echo};
+use crate::shield::Allowed;
 use crate::units::{Bearing, Displacement, Millis};
 
 /// A motion under way.
@@ -38,6 +39,26 @@ impl<const SENSORS: usize> Pending<SENSORS> {
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     State<SENSORS, NEURONS, SAMPLES>
 {
+    /// The motion wanted, a first step aside or (for a planned motion) a detour, and how much of it
+    /// the shield allows.
+    pub(super) fn limit_motion(
+        &self,
+        config: &Config<SENSORS>,
+        now: Millis,
+        wanted: Displacement,
+        planned: bool,
+    ) -> (Displacement, Allowed) {
+        let enabled = self.enabled(config);
+        let side_step = self.shield.step_aside(config, enabled, wanted, now);
+        side_step.unwrap_or_else(|| {
+            if planned {
+                (self.shield).detour(config, enabled, wanted, now, self.blocked)
+            } else {
+                (wanted, self.shield.allow(config, enabled, wanted, now))
+            }
+        })
+    }
+
     /// Takes an echo: shield and fault detector hear it, and a complete ring becomes a decision.
     pub(super) fn echo(
         &mut self,

@@ -111,7 +111,10 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             return Err(TransferError::Busy);
         }
         match part {
-            StatePart::Situations => write_map(&mut self.situations, offset, bytes)?,
+            StatePart::Situations => {
+                write_map(&mut self.situations, offset, bytes)?;
+                self.forget_traversals();
+            }
             StatePart::Changes => write_map(self.actions.changes_mut(), offset, bytes)?,
             StatePart::Actions => write_map(self.actions.actions_mut(), offset, bytes)?,
             StatePart::Memory => return self.write_memory(offset, bytes),

@@ -1,5 +1,6 @@
 //! Runs all measurements for the paper's claims from one seed.
 
+use super::aims;
 use super::any_ring::{Count, MOVES};
 use super::arms::{self, Arms};
 use super::chain::{Chain, Cloud};
@@ -19,6 +20,7 @@ use crate::compare::{self, ComparedMethod, ComparisonPlan, ComparisonRow, Condit
 use crate::repetition::{self, Curve};
 use crate::scenes::{BehaviorScene, SCENES};
 use crate::sequence::{self, Row, SequenceTrial};
+use crate::traversed::Aims;
 use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::World;
@@ -96,6 +98,8 @@ pub struct Measured {
     pub sequences: Vec<Row>,
     /// Goals that are far away, for `default`.
     pub far_goals: FarGoals,
+    /// Aims of preset `graph` on the way to the nest.
+    pub traversed: Aims,
     /// Arms by the couple of maps.
     pub arms: Arms,
     /// `default` and `probe` with something less in place of the maps.
@@ -167,6 +171,7 @@ pub fn measure(size: Size, progress: &impl ProgressListener) -> Result<Measured,
         following: following(size, &readings[0])?,
         sequences: sequences(size, progress)?,
         far_goals: far_goals::measure(size, &readings[0], progress)?,
+        traversed: aims::measure(size, progress)?,
         arms: arms::measure(size, progress),
         reduced: controls::measure(size, [&readings[0], &readings[1]], progress)?,
         compared: compared(size, progress)?,

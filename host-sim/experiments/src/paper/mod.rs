@@ -4,6 +4,7 @@
 //! International Journal of Advanced Robotic Systems 3(2), 2006, 165–170; sections 2 to 5.
 //! All runs are without the shield. No seed is selected by its result.
 
+mod aims;
 pub mod any_ring;
 pub mod arms;
 pub mod chain;

@@ -207,6 +207,7 @@ impl<const SENSORS: usize> Setting<SENSORS> {
             |config| of_online(config, |online| online.blame_recalled.into()),
             |config, value| put_online(config, |online| online.blame_recalled = value.is_on()),
         ),
+        #[cfg(not(feature = "graph"))]
         words!(
             "planner",
             "how the action is found: recall (probe by the change) | neurons | headings \
@@ -216,6 +217,19 @@ impl<const SENSORS: usize> Setting<SENSORS> {
                 ("recall", PlannerKind::Recall),
                 ("neurons", PlannerKind::BestNeuron),
                 ("headings", PlannerKind::BestHeading)
+            ]
+        ),
+        #[cfg(feature = "graph")]
+        words!(
+            "planner",
+            "how the action is found: recall (probe by the change) | neurons | headings \
+             (look-ahead) | traversed (several steps over what was traversed)",
+            planning.planner,
+            [
+                ("recall", PlannerKind::Recall),
+                ("neurons", PlannerKind::BestNeuron),
+                ("headings", PlannerKind::BestHeading),
+                ("traversed", PlannerKind::Traversed)
             ]
         ),
         Self::new(

@@ -3,6 +3,7 @@
 use super::{Claim, ClaimVerdict, PRESETS, by_preset, percent, percents};
 use crate::paper::measure::Measured;
 use crate::paper::plans::Plans;
+use crate::traversed::Aims;
 use sim::statistics::mean;
 
 /// The claims of these sections, in order.
@@ -16,6 +17,7 @@ pub(super) fn claims(measured: &Measured) -> Vec<Claim> {
         metric(measured),
         nearer_neighbor(&plans),
         becomes_intermediate(&plans),
+        aim_is_reached(&measured.traversed),
         until_goal(&plans),
         differences(&plans),
     ]
@@ -117,6 +119,29 @@ fn becomes_intermediate(plans: &[Plans; 3]) -> Claim {
         decisions(&plans[1..], |plans| plans.neighbor),
     )
     .verdict(ClaimVerdict::of(&there.map(|share| share >= 50.0)))
+}
+
+/// The neighbors are those that were really driven to.
+fn aim_is_reached(aims: &Aims) -> Claim {
+    let share = |part: f64| 100.0 * part / f64::from(aims.legs.max(1));
+    let reached = share(aims.reached.into());
+    let often = share(aims.most_frequent.into());
+    Claim::new(
+        "2.5 (2)",
+        "move the robot into that desired intermediate situation (a neighbor that was driven to)",
+    )
+    .holds_if(
+        "in ≥ 50 % of the aims of preset graph the next neuron is the one aimed at, and more often than the most frequent successor",
+    )
+    .measured(
+        format!(
+            "reached {reached:.1} %, the most frequent successor {often:.1} %, a random one of the successors {:.1} %; after one move {:.1} %",
+            share(aims.random),
+            percent(aims.after_one, aims.moves)
+        ),
+        format!("{} aims, {} worlds of twelve other kinds", aims.legs, aims.drives),
+    )
+    .verdict(ClaimVerdict::of(&[reached >= 50.0, reached > often]))
 }
 
 fn until_goal(plans: &[Plans; 3]) -> Claim {
